@@ -7,8 +7,7 @@ __getattr__, __dir__ = face(
     __name__,
     """
     bode: COLUMNS CircuitGain film_load gain told_rig without_rig
-    calibrate: ANY_RATIO BOUNDS FILM_RATIO FITTED PAPER_ABOVE PAPER_BELOW PAPER_CUTOFF PAPER_HIGH
-        PAPER_LOW paper_target
+    calibrate: BOUNDS FITTED PAPER_ABOVE PAPER_BELOW PAPER_CUTOFF PAPER_HIGH PAPER_LOW
     model: Circuit circuit_network constants load_circuit
     network: Complex Constants Network PICO Real capacitance charge electrode netlist
     response: decibels noise_samples total_density

@@ -9,7 +9,6 @@ use: scenes, noise and netlist are without it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,15 +18,10 @@ from skincad.base.columns import read_columns
 from skincad.base.errors import InputError
 from skincad.base.progress import Progress, Stopwatch
 from skincad.base.result import Record, Result, item, record, reported
-from skincad.circuit.calibrate import ANY_RATIO, Calibration, calibrate
-from skincad.circuit.model import Circuit, ForceSensor, Indenter, constants, noise_sources
-from skincad.circuit.network import Complex, Constants, Network, Real, network
+from skincad.circuit.calibrate import Calibration, calibrate
+from skincad.circuit.model import Circuit, ForceSensor, Indenter, circuit_network, constants
+from skincad.circuit.network import Complex, Constants, Network, Real
 from skincad.circuit.response import Slopes, decibels, fit_slopes, response
-
-
-def has_rig(circuit: Circuit) -> bool:
-    """Return whether a circuit's gain is by a measured load."""
-    return bool(circuit.indenter or circuit.force_sensor)
 
 
 def without_rig(circuit: Circuit) -> Circuit:
@@ -37,18 +31,13 @@ def without_rig(circuit: Circuit) -> Circuit:
 
 def film_load(circuit: Circuit, frequency: Real) -> Complex:
     """Return the load on the film by the measured load, `(n,)` at `(n,)` Hz; 1 without a rig."""
-    ratio = np.ones(np.shape(frequency), complex)
-    if circuit.indenter:
-        ratio = ratio / pressed(circuit.indenter, frequency)
-    if circuit.force_sensor:
-        ratio = ratio * pressed(circuit.force_sensor, frequency)
-    return ratio
 
+    def pressed(part: Indenter | ForceSensor | None) -> Complex:
+        """The load on a mass by that in the damped spring behind it: 1 + 2 zeta s + s^2."""
+        ratio = frequency / part.resonance if part else np.zeros(np.shape(frequency))
+        return np.asarray(1 - ratio**2 + 2j * (part.damping if part else 0.0) * ratio)
 
-def pressed(part: Indenter | ForceSensor, frequency: Real) -> Complex:
-    """Return the load on a mass by that in the damped spring behind it, `(n,)`: 1 + 2 zeta s + s^2."""
-    ratio = frequency / part.resonance
-    return np.asarray(1 - ratio**2 + 2j * part.damping * ratio)
+    return 1 / pressed(circuit.indenter) * pressed(circuit.force_sensor)
 
 
 def told_rig(circuit: Circuit) -> str:
@@ -60,21 +49,11 @@ def told_rig(circuit: Circuit) -> str:
 COLUMNS = ("frequency_Hz", "gain_dB")
 
 
-@dataclass(frozen=True)
-class MeasuredCurve:
-    """A measured curve `(n,)` Hz, rising, and `(n,)` dB, its corner and the constants calibrated to it."""
+@record()
+class Curve(Record):
+    """A gain over frequency `(n,)` Hz, rising, with its corner."""
 
     frequency: Real
-    gain: Real
-    slopes: Slopes
-    calibration: Calibration
-    notes: tuple[str, ...]  # how its file was read
-
-
-@record()
-class OwnSignal(Record):
-    """The gain by the load that the film feels, without the rig."""
-
     gain: Real = item("dB", "`(n,)`, re 1 V/N")
     slopes: Slopes = item(inline=True)
 
@@ -92,8 +71,11 @@ class CircuitGain(Result):
     frequency: Real = item("Hz", "`(n,)`, rising")
     gain: Real = item("dB", "`(n,)`, re 1 V/N")
     slopes: Slopes = item(inline=True)
-    measured: MeasuredCurve | None
-    own: OwnSignal | None = item(meaning="as in use, without the rig", key="own_signal", optional=True)
+    measured: Curve | None
+    calibration: Calibration | None = item(
+        meaning="misfit to a measured curve, and what it leaves open", optional=True
+    )
+    own: Curve | None = item(meaning="as in use, without the rig", key="own_signal", optional=True)
     warnings: tuple[str, ...] = item(meaning="what to know of the numbers")
     seconds: dict[str, float] = item(meaning="wall time by stage, s")
 
@@ -131,15 +113,10 @@ class CircuitGain(Result):
         """The gain at the middle of the band, dB."""
         return self.mid_band[1]
 
-    @reported(meaning="misfit to a measured curve, and what it leaves open", optional=True)
-    def calibration(self) -> Calibration | None:
-        """The calibration to a measured curve, None without one."""
-        return self.measured.calibration if self.measured else None
-
     @property
     def network(self) -> Network:
         """The elements whose gain it is."""
-        return network(self.constants, noise_sources(self.circuit), self.circuit.amplifier.topology)
+        return circuit_network(self.circuit, self.constants)
 
 
 def gain(
@@ -151,7 +128,8 @@ def gain(
     makes of it; the film's d33 stays, since the level is free. Raises InputError for unusable input.
     """
     watch, sweep, amplifier = Stopwatch(progress), circuit.sweep, circuit.amplifier
-    measurement, own_signal = None, None
+    c, curve, calibration = constants(circuit), None, None
+    notes: tuple[str, ...] = ()
     if measured is not None:
         wanted = {"topology": "inverting", "feedback_capacitance": "0 F", "gain_bandwidth": "0 Hz"}
         for key, reached in wanted.items():
@@ -159,56 +137,54 @@ def gain(
                 rule = f"must be {reached} where constants are calibrated to a measured curve"
                 raise InputError(f"amplifier.{key}", rule, value, "take the paper's network")
         with watch.stage("calibrating"):
-            measurement = _measured(circuit, measured)
-    c = measurement.calibration.constants if measurement else constants(circuit)
+            curve, notes = _measured(circuit, measured)
+            inside = curve.frequency <= sweep.fit_high
+            frequency = curve.frequency[inside]
+            film = curve.gain[inside] - decibels(film_load(circuit, frequency))
+            calibration = calibrate(frequency, film, d33=c.d33)
+            c = calibration.constants
     with watch.stage("sweeping"):
         frequency = np.geomspace(sweep.low, sweep.high, sweep.points)
         with np.errstate(all="ignore"):  # constants so far apart that they overflow are refused below
-            ratio = response(network(c, topology=amplifier.topology), frequency)
+            ratio = response(circuit_network(circuit, c), frequency)
             felt = film_load(circuit, frequency)
-        level = _level(circuit, ratio * felt)
-        slopes = fit_slopes(frequency, level, sweep.low, sweep.fit_high)
-        if has_rig(circuit):
-            alone = _level(circuit, ratio)
-            own_signal = OwnSignal(gain=alone, slopes=fit_slopes(frequency, alone, sweep.low, sweep.fit_high))
-    warnings = (*(measurement.notes if measurement else ()), *_warnings(circuit, c, slopes))
+        as_measured = _curve(circuit, frequency, ratio * felt)
+        has_rig = circuit.indenter or circuit.force_sensor
+        own = _curve(circuit, frequency, ratio) if has_rig else None
     return CircuitGain(
         circuit=circuit,
         constants=c,
         frequency=frequency,
-        gain=level,
-        slopes=slopes,
-        measured=measurement,
-        own=own_signal,
-        warnings=warnings,
+        gain=as_measured.gain,
+        slopes=as_measured.slopes,
+        measured=curve,
+        calibration=calibration,
+        own=own,
+        warnings=(*notes, *_warnings(circuit, c, as_measured.slopes)),
         seconds=watch.seconds(),
     )
 
 
-def _level(circuit: Circuit, ratio: Complex) -> Real:
-    """Return a gain in dB; raises InputError where there is none."""
+def _curve(circuit: Circuit, frequency: Real, ratio: Complex) -> Curve:
+    """Return a gain with its corner; raises InputError where there is none."""
     if not (np.isfinite(ratio).all() and np.abs(ratio).min() > 0):
-        raise InputError(
-            circuit.name,
-            "gives no finite gain at some frequency",
-            remedy="bring the constants closer together",
-        )
-    return decibels(ratio)
+        rule, remedy = "gives no finite gain at some frequency", "bring the constants closer together"
+        raise InputError(circuit.name, rule, remedy=remedy)
+    level, sweep = decibels(ratio), circuit.sweep
+    slopes = fit_slopes(frequency, level, sweep.low, sweep.fit_high)
+    return Curve(frequency=frequency, gain=level, slopes=slopes)
 
 
-def _measured(circuit: Circuit, file: Path | str) -> MeasuredCurve:
+def _measured(circuit: Circuit, file: Path | str) -> tuple[Curve, tuple[str, ...]]:
+    """Return a file's curve, its corner up to the sweep's fit, and how the file was read."""
     columns = read_columns(file, COLUMNS)
     order = np.argsort(columns["frequency_Hz"], kind="stable")
     frequency, gain = (columns[name][order] for name in COLUMNS)
     if (np.diff(frequency) <= 0).any() or frequency[0] <= 0:
         raise InputError(f"{file}, column 'frequency_Hz'", "must be above 0 Hz, each frequency once")
     high = min(circuit.sweep.fit_high, float(frequency[-1]))
-    inside = frequency <= high
     slopes = fit_slopes(frequency, gain, float(frequency[0]), high, str(file))
-    d33 = constants(circuit).d33
-    film = gain[inside] - decibels(film_load(circuit, frequency[inside]))
-    calibration = calibrate(frequency[inside], film, d33=d33, largest_ratio=ANY_RATIO)
-    return MeasuredCurve(frequency, gain, slopes, calibration, columns.notes)
+    return Curve(frequency=frequency, gain=gain, slopes=slopes), columns.notes
 
 
 def _warnings(circuit: Circuit, c: Constants, slopes: Slopes) -> list[str]:
@@ -219,12 +195,11 @@ def _warnings(circuit: Circuit, c: Constants, slopes: Slopes) -> list[str]:
             f"the motional capacitance is {ratio:.3g} times the static one; a PVDF film's own is at most 0.1 "
             "times: this branch stands for more than the film"
         )
-    if circuit.sampling:
+    if circuit.sampling and slopes.cutoff.value is not None:
         from skincad.circuit.state import PASS  # its filters take a second to load
 
-        seen = PASS * circuit.sampling.rate / 2
-        cutoff = slopes.cutoff.value
-        if cutoff is not None and cutoff > seen:
+        seen, cutoff = PASS * circuit.sampling.rate / 2, slopes.cutoff.value
+        if cutoff > seen:
             warnings.append(
                 f"sampled at {circuit.sampling.rate:g} Hz, the output is true up to {seen:.4g} Hz; "
                 f"the cut-off at {cutoff:.4g} Hz and everything above it are not seen"

@@ -21,18 +21,12 @@ from skincad.circuit.response import checked_frequencies, decibels, response
 FITTED = tuple(field.name for field in fields(Constants) if field.name not in ("d33", *MAY_BE_0))
 PAPER_CUTOFF, PAPER_BELOW, PAPER_ABOVE = 1200.0, 20.0, 60.0  # Hz, dB/dec; paper, section 3.2
 PAPER_LOW, PAPER_HIGH = 10.0, 8000.0  # Hz; paper's sweep up to before its drop at 9 kHz
-
-# k33^2 / (1 - k33^2) of PVDF with k33 about 0.3, the highest that is reported: what a film's own motional
-# branch can have beside its static capacitance (source: Kawai 1969 and later data sheets, 0.1 to 0.3)
-FILM_RATIO = 0.1
-ANY_RATIO = 1e4  # assumption: no limit by the film's physics
-
 BOUNDS: dict[str, tuple[float, float]] = {
     # the loaded spot of 11.95 mm2 at 110 um and 1 pF of lead; 10 m of coaxial lead
     "capacitance": (12.5e-12, 1.1e-9),
     "motional_resistance": (1.0, 1e9),  # assumption: a wire to an insulator
     "motional_inductance": (1e-3, 1e4),  # assumption: resonances of grams to micrograms
-    "motional_capacitance": (1e-6, ANY_RATIO),  # ratio to `capacitance`
+    "motional_capacitance": (1e-6, 1e4),  # ratio to `capacitance`; assumption: no limit by the film
     "series_resistance": (10.0, 1e8),  # assumption: resistors one can buy
     "input_resistance": (1e5, 1e13),  # source: data sheets, bipolar to electrometer
     "input_capacitance": (0.5e-12, 100e-12),  # source: data sheets, with the board's
@@ -77,34 +71,25 @@ class Calibration(Record):
         return tuple(c for c in self.combinations if c.change < OPEN)
 
 
-def paper_target(points: int = 117) -> tuple[Real, Real]:
-    """Return frequencies, Hz, and gain, dB, 0 at 1.2 kHz: 20 dB/dec up to there and 60 above (paper)."""
-    frequency = np.geomspace(PAPER_LOW, PAPER_HIGH, points)
-    slope = np.where(frequency < PAPER_CUTOFF, PAPER_BELOW, PAPER_ABOVE)
-    return frequency, np.asarray(slope * np.log10(frequency / PAPER_CUTOFF))
-
-
 def calibrate(
     frequency: Real,
     gain: Real,
     *,
     d33: float = -33e-12,
-    largest_ratio: float = ANY_RATIO,
     starts: int = STARTS,
     seed: int = SEED,
 ) -> Calibration:
     """Return the constants within `BOUNDS` nearest to a gain `(n,)` dB at `(n,)` Hz, up to its level.
 
     Least squares over the logarithms from `starts` points drawn evenly in them; the same seed gives the same
-    answer. Of the converged starts the nearest between the points counts. `largest_ratio` bounds motional
-    over static capacitance: FILM_RATIO for a film's own resonance. Raises InputError for unusable points,
-    RefusedError when no start converges.
+    answer. Of the converged starts the nearest between the points counts. Raises InputError for unusable
+    points, RefusedError when no start converges.
     """
     frequency, gain = checked_frequencies(frequency), np.asarray(gain, float)
     if frequency.size < len(FITTED) or gain.shape != frequency.shape or not np.isfinite(gain).all():
         rule = f"must be at least {len(FITTED)} finite gains, one per frequency"
         raise InputError("measured", rule, gain.size)
-    low, high = _limits(largest_ratio)
+    low, high = np.log([BOUNDS[name] for name in FITTED]).T
 
     def misfit(point: Real) -> Real:
         safe_point()
@@ -162,12 +147,6 @@ def _between(c: Constants, frequency: Real, gain: Real) -> float:
     wanted = np.interp(np.log(fine), np.log(frequency[order]), gain[order])
     rest = decibels(response(network(c), fine)) - wanted
     return _rms(rest - rest.mean())
-
-
-def _limits(largest_ratio: float) -> tuple[Real, Real]:
-    bounds = {**BOUNDS, "motional_capacitance": (BOUNDS["motional_capacitance"][0], largest_ratio)}
-    table = np.log([bounds[name] for name in FITTED])
-    return table[:, 0], table[:, 1]
 
 
 def _constants(point: Real, d33: float) -> Constants:

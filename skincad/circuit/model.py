@@ -9,10 +9,9 @@ from pydantic import Field, field_validator, model_validator
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.tables import Document, Table, quantity
-from skincad.circuit.network import TOPOLOGIES, Constants, Network, NoiseSources, capacitance, network
+from skincad.circuit.network import PICO, TOPOLOGIES, Constants, Network, Noise, capacitance, network
 from skincad.inputs.catalog import overridden, read_table
 
-PICO = 1e-12
 SHORT = 1e-12  # ohm; less is no resistor, and what it conducts is more than a number holds
 
 
@@ -81,18 +80,6 @@ class Amplifier(Table):
             if key.endswith("resistance") and value < SHORT:
                 raise InputError(key, f"must be at least {SHORT:g} ohm", value)
         return self
-
-
-class Noise(Table):
-    """What the amplifier adds; resistors and film add their thermal noise by themselves."""
-
-    temperature: float = quantity("K", "of film and resistors", gt=0.0, le=1000.0, default=293.0)
-    voltage_density: float = quantity(
-        "V/sqrt(Hz)", "of the amplifier's input voltage noise", ge=0.0, le=1e-3, default=0.0
-    )
-    current_density: float = quantity(
-        "A/sqrt(Hz)", "of the amplifier's input current noise", ge=0.0, le=1e-3, default=0.0
-    )
 
 
 class Sweep(Table):
@@ -190,15 +177,11 @@ def constants(circuit: Circuit) -> Constants:
     )
 
 
-def noise_sources(circuit: Circuit) -> NoiseSources:
-    """Return what a circuit's film and amplifier add in noise; the lead has no loss."""
+def circuit_network(circuit: Circuit, c: Constants | None = None) -> Network:
+    """Return the elements of a circuit's film and amplifier, with their noise; `c` in place of its constants.
+
+    The lead has no loss.
+    """
     film = circuit.film
-    film_capacitance = capacitance(film.area, film.thickness, film.permittivity)
-    return NoiseSources(
-        **dict(circuit.noise), loss_tangent=film.loss_tangent, film_capacitance=film_capacitance
-    )
-
-
-def circuit_network(circuit: Circuit) -> Network:
-    """Return the elements of a circuit's film and amplifier, with their noise."""
-    return network(constants(circuit), noise_sources(circuit), circuit.amplifier.topology)
+    loss = capacitance(film.area, film.thickness, film.permittivity) * film.loss_tangent
+    return network(c or constants(circuit), circuit.noise, loss, circuit.amplifier.topology)

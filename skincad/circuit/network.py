@@ -21,29 +21,31 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.constants import epsilon_0
 
-from skincad.base.arrays import Array, Mask
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.base.result import Record, item
+from skincad.base.tables import Table, quantity
 from skincad.inputs.design import Design
 
 MAY_BE_0 = ("feedback_capacitance", "gain_bandwidth")  # what the paper's network has not
 
 
-@dataclass(frozen=True)
-class NoiseSources:
-    """Temperature, K; amplifier's input noise, V/sqrt(Hz) and A/sqrt(Hz); the film's own part of Cpvd, F."""
+class Noise(Table):
+    """What the amplifier adds; resistors and film add their thermal noise by themselves."""
 
-    temperature: float = 293.0
-    voltage_density: float = 0.0
-    current_density: float = 0.0
-    loss_tangent: float = 0.0
-    film_capacitance: float = 0.0
+    temperature: float = quantity("K", "of film and resistors", gt=0.0, le=1000.0, default=293.0)
+    voltage_density: float = quantity(
+        "V/sqrt(Hz)", "of the amplifier's input voltage noise", ge=0.0, le=1e-3, default=0.0
+    )
+    current_density: float = quantity(
+        "A/sqrt(Hz)", "of the amplifier's input current noise", ge=0.0, le=1e-3, default=0.0
+    )
 
 
 @dataclass(frozen=True)
@@ -87,59 +89,34 @@ Complex = NDArray[np.complex128]
 GROUND, LOAD, OUT = "0", "load", "vout"
 
 
-@dataclass(frozen=True)
-class _TwoTerminal:
-    """What lies between two nodes."""
-
-    name: str
-    a: str
-    b: str
-    value: float
-
-    @property
-    def ends(self) -> tuple[str, ...]:
-        """The nodes that it touches; a source's own comes first."""
-        return (self.a, self.b)
-
-
-class Resistor(_TwoTerminal):
-    """In ohm; it has its thermal noise."""
+# What a name begins with, as in SPICE: a resistor, capacitor, inductor, or source, which holds its node at
+# a gain times a voltage. Whether the value is an impedance, and by which power of s it counts.
+KINDS = {"R": (True, 0), "C": (False, 1), "L": (True, 1), "E": (False, 0)}
+SOURCE = "E"
 
 
 @dataclass(frozen=True)
-class Capacitor(_TwoTerminal):
-    """In F. `loss`, F times the loss tangent, counts in the noise only."""
+class Element:
+    """One of KINDS, in ohm, F, H or 1, between two `nodes`; a source has its own node before the two.
 
-    loss: float = 0.0
-
-
-class Inductor(_TwoTerminal):
-    """In H."""
-
-
-@dataclass(frozen=True)
-class Source:
-    """Holds node `a` at `value` times the voltage from `minus` to `plus`; an amplifier has input noise too.
-
-    `voltage_density` is in V/sqrt(Hz), before the gain; `current_density` in A/sqrt(Hz), into each input.
+    `loss`, F times the loss tangent, of a capacitor, counts in the noise only. So do the densities of an
+    amplifier's source: V/sqrt(Hz) before the gain, A/sqrt(Hz) into each input.
     """
 
     name: str
-    a: str
-    plus: str
-    minus: str
+    nodes: tuple[str, ...]
     value: float
+    loss: float = 0.0
     voltage_density: float = 0.0
     current_density: float = 0.0
 
     @property
-    def ends(self) -> tuple[str, ...]:
-        """The nodes that it touches, its own first."""
-        return (self.a, self.plus, self.minus)
+    def kind(self) -> str:
+        """Its key in KINDS."""
+        return self.name[0]
 
 
-Element = Resistor | Capacitor | Inductor | Source
-Wiring = tuple[tuple[type[Element], tuple[str, ...]], ...]
+Wiring = tuple[tuple[str, tuple[str, ...]], ...]
 
 
 @dataclass(frozen=True)
@@ -153,34 +130,7 @@ class Network:
     @property
     def wiring(self) -> Wiring:
         """The kind and the nodes of each element."""
-        return tuple((type(e), e.ends) for e in self.elements)
-
-
-@dataclass(frozen=True)
-class Equations:
-    """A network's node equations, one of each of `nodes`, those of `held` ones, `(n,)`, by source or load.
-
-    `across` `(elements, n)` gives the voltage that each element sees, of the nodes'.
-    """
-
-    nodes: tuple[str, ...]
-    fixed: Mask
-    drops: NDArray[Any]
-
-    def part(self, i: int, branch: str | None) -> NDArray[Any]:
-        """Return what element i's admittance multiplies, `(n, n)`, or the gain of a source at `own`."""
-        where = ~self.fixed * self.drops[i] if branch is None else [-(node == branch) for node in self.nodes]
-        return np.outer(where, self.drops[i])
-
-
-def equations(wiring: Wiring) -> Equations:
-    """Return the equations: source and load hold their nodes, elsewhere the currents add up to 0."""
-    named = dict.fromkeys(node for _, ends in wiring for node in ends)
-    nodes = tuple(node for node in named if node != GROUND)
-    voltage = dict(zip([*nodes, GROUND], np.eye(len(nodes) + 1, len(nodes), dtype=int), strict=True))
-    fixed = {LOAD, *(ends[0] for kind, ends in wiring if kind is Source)}
-    drops = np.array([voltage[ends[-2]] - voltage[ends[-1]] for _, ends in wiring])
-    return Equations(nodes, np.array([node in fixed for node in nodes]), drops)
+        return tuple((e.kind, e.nodes) for e in self.elements)
 
 
 MM, MM2 = 1e-3, 1e-6  # m, m2
@@ -231,113 +181,85 @@ def charge(
     return np.asarray(area * total, float)  # MPa times mm2 is N
 
 
-SILENT = NoiseSources()
-
-
-def inverting(c: Constants, n: NoiseSources) -> tuple[Element, ...]:
+def inverting(c: Constants, n: Noise) -> tuple[Element, ...]:
     """An inverting amplifier: the rate of the charge, or with a feedback capacitor the charge itself.
 
     Source: Yamada et al. 2002, Figs 5 and 6; the capacitor is not in the paper. `vout` has the sign of (9).
     """
-    return (
-        *_input(c),
-        Resistor("R34", "in", "out", c.feedback_resistance),
-        *_beside(c, "in", "out"),
-        Resistor("Ropo", "amp", "out", c.output_resistance),
-        *_open_loop(c, n, "in", "0", -c.gain),
-        Source("Evout", "vout", "out", "0", -1),
-    )
+    return (*_around(c, "in"), *_open_loop(c, n, "in", GROUND, -c.gain), _output(-1))
 
 
-def follower(c: Constants, n: NoiseSources) -> tuple[Element, ...]:
+def follower(c: Constants, n: Noise) -> tuple[Element, ...]:
     """A voltage follower: the film's voltage, charge over capacitance, above 1 / (2 pi Ropi (Cpvd + Copi)).
 
     Ropi is the bias resistor; R3 + R4 lead from the output to the inverting input, which takes no current.
     Source: Horowitz and Hill, The Art of Electronics, 3rd ed., sec. 4.2.3.
     """
-    return (
-        *_input(c),
-        Resistor("R34", "back", "out", c.feedback_resistance),
-        *_beside(c, "back", "out"),
-        Resistor("Ropo", "amp", "out", c.output_resistance),
-        *_open_loop(c, n, "in", "back", c.gain),
-        Source("Evout", "vout", "out", "0", 1),
-    )
+    return (*_around(c, "back"), *_open_loop(c, n, "in", "back", c.gain), _output(1))
 
 
-TOPOLOGIES: dict[str, Callable[[Constants, NoiseSources], tuple[Element, ...]]] = {
+THERMAL = Noise()  # a noiseless amplifier's
+TOPOLOGIES: dict[str, Callable[[Constants, Noise], tuple[Element, ...]]] = {
     "inverting": inverting,
     "follower": follower,
 }
 
 
-def network(c: Constants, n: NoiseSources = SILENT, topology: str = "inverting") -> Network:
-    """Return film and amplifier as one network.
+def network(c: Constants, n: Noise = THERMAL, loss: float = 0.0, topology: str = "inverting") -> Network:
+    """Return film and amplifier as one network; `loss` is the film's capacitance times its loss tangent, F.
 
     The film's current source beside Cpvd stands as a voltage source d33 lo / Cpvd behind it (Thevenin), so
     that any waveform at `load` gives the charge d33 lo without a derivative.
     """
     film = (
-        Source("Epv", "pv", "load", "0", c.d33 / c.capacitance),
-        Capacitor("Cpvd", "pv", "film", c.capacitance, n.film_capacitance * n.loss_tangent),
-        Resistor("Rmot", "film", "m1", c.motional_resistance),
-        Inductor("Lmot", "m1", "m2", c.motional_inductance),
-        Capacitor("Cmot", "m2", "0", c.motional_capacitance),
+        Element("Epv", ("pv", LOAD, GROUND), c.d33 / c.capacitance),
+        Element("Cpvd", ("pv", "film"), c.capacitance, loss),
+        Element("Rmot", ("film", "m1"), c.motional_resistance),
+        Element("Lmot", ("m1", "m2"), c.motional_inductance),
+        Element("Cmot", ("m2", GROUND), c.motional_capacitance),
     )
     return Network((*film, *TOPOLOGIES[topology](c, n)), c.d33, n.temperature)
 
 
-def _input(c: Constants) -> tuple[Element, ...]:
-    """From the film to the amplifier's input, with what leads from there to ground."""
+def _around(c: Constants, back: str) -> tuple[Element, ...]:
+    """From the film to the amplifier's input and from there to ground, and from its output to node `back`."""
+    fed = (Element("C34", (back, "out"), c.feedback_capacitance),) if c.feedback_capacitance else ()
     return (
-        Resistor("R12", "film", "in", c.series_resistance),
-        Resistor("Ropi", "in", "0", c.input_resistance),
-        Capacitor("Copi", "in", "0", c.input_capacitance),
+        Element("R12", ("film", "in"), c.series_resistance),
+        Element("Ropi", ("in", GROUND), c.input_resistance),
+        Element("Copi", ("in", GROUND), c.input_capacitance),
+        Element("R34", (back, "out"), c.feedback_resistance),
+        *fed,
+        Element("Ropo", ("amp", "out"), c.output_resistance),
     )
 
 
-def _open_loop(c: Constants, n: NoiseSources, plus: str, minus: str, gain: float) -> tuple[Element, ...]:
+def _output(sign: float) -> Element:
+    return Element("Evout", (OUT, "out", GROUND), sign)
+
+
+def _open_loop(c: Constants, n: Noise, plus: str, minus: str, gain: float) -> tuple[Element, ...]:
     """The amplifier's source at `amp`; of a finite bandwidth its gain, a pole of 1 ohm, and a source of 1.
 
     The pole lies at gain_bandwidth / gain. Its resistor's noise, 0.13 nV/sqrt(Hz), comes behind the gain and
     counts for nothing.
     """
-    noise = n.voltage_density, n.current_density
+    noise = {"voltage_density": n.voltage_density, "current_density": n.current_density}
     if not c.gain_bandwidth:
-        return (Source("Eamp", "amp", plus, minus, gain, *noise),)
+        return (Element("Eamp", ("amp", plus, minus), gain, **noise),)
     return (
-        Source("Eamp", "fast", plus, minus, gain, *noise),
-        Resistor("Rpole", "fast", "slow", 1.0),
-        Capacitor("Cpole", "slow", "0", c.gain / (2 * math.pi * c.gain_bandwidth)),
-        Source("Epole", "amp", "slow", "0", 1),
+        Element("Eamp", ("fast", plus, minus), gain, **noise),
+        Element("Rpole", ("fast", "slow"), 1.0),
+        Element("Cpole", ("slow", GROUND), c.gain / (2 * math.pi * c.gain_bandwidth)),
+        Element("Epole", ("amp", "slow", GROUND), 1),
     )
-
-
-def _beside(c: Constants, a: str, b: str) -> tuple[Element, ...]:
-    """The feedback's capacitor, if there is one."""
-    return (Capacitor("C34", a, b, c.feedback_capacitance),) if c.feedback_capacitance else ()
 
 
 def netlist(network: Network, name: str, low: float = 10.0, high: float = 20_000.0) -> str:
     """Return a SPICE deck: 1 V at node `load` is 1 N, node `vout` is the output."""
-    return "\n".join(
-        [
-            f"* {name}: PVDF film and amplifier, 1 V at node load is 1 N",
-            "Vload load 0 DC 0 AC 1",
-            *element_lines(network),
-            f".ac dec 50 {low:g} {high:g}",
-            ".print ac vdb(vout)",
-            ".end",
-            "",
-        ]
-    )
-
-
-def element_lines(network: Network) -> list[str]:
-    """Return the deck's elements between node `load` and node `vout`."""
-    return [
-        f"{e.name} {e.a} 0 {e.plus} {e.minus} {e.value!r}"
-        if isinstance(e, Source)
-        else f"{e.name} {e.a} {e.b} {e.value!r}"
-        for e in network.elements
-    ]
+    lines = [f"* {name}: PVDF film and amplifier, 1 V at node load is 1 N", "Vload load 0 DC 0 AC 1"]
+    for e in network.elements:
+        first, *others = e.nodes
+        own = [first, GROUND] if e.kind == SOURCE else [first]
+        lines.append(" ".join([e.name, *own, *others, repr(e.value)]))
+    return "\n".join([*lines, f".ac dec 50 {low:g} {high:g}", ".print ac vdb(vout)", ".end", ""])

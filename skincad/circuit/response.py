@@ -14,41 +14,22 @@ the network alone; their powers add. The network itself is without the film's lo
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
+from numpy.typing import NDArray
 from scipy.constants import Boltzmann
 from scipy.optimize import minimize_scalar
 
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.base.result import Record, item, record
-from skincad.circuit.network import (
-    GROUND,
-    LOAD,
-    OUT,
-    Capacitor,
-    Complex,
-    Inductor,
-    Network,
-    Real,
-    Resistor,
-    Source,
-    Wiring,
-    equations,
-)
+from skincad.circuit.network import GROUND, KINDS, LOAD, OUT, SOURCE, Complex, Network, Real, Wiring
 
 Products = dict[int, int]  # elements, as bits of a number, to how often their product counts
 Drive = tuple[tuple[str, int, int], ...]  # to which nodes' equations what product is added, how often
-
-
-@dataclass(frozen=True)
-class _Sum:
-    """Products of what is `taken`, `(elements, m)`, by how often each counts at a power of s, `(k, m)`."""
-
-    chosen: np.ndarray
-    of_power: Real
+BY_LOAD: Drive = ((LOAD, 0, 1),)
 
 
 def checked_frequencies(frequency: Real) -> Real:
@@ -70,55 +51,59 @@ def response(network: Network, frequency: Real) -> Complex:
 
     Raises InputError for a frequency that is not above 0.
     """
-    return transfers(network, [((LOAD, 0, 1),)], frequency)[0]
+    return transfers(network, [BY_LOAD], frequency)[0]
 
 
 def transfers(network: Network, drives: Sequence[Drive], frequency: Real) -> list[Complex]:
     """Return the output `(n,)` V by each drive of 1 A, or of 1 V in series with an element, at `(n,)` Hz."""
     s = np.asarray(2j * np.pi * checked_frequencies(frequency), np.complex128)
-    wiring = network.wiring
+    parts = [polynomial(network, drive) for drive in (None, *drives)]
+    (whole, size), *driven = [(polyval(s, part.astype(float)), twos) for part, twos in parts]
+    return [part / whole * np.exp2(float(twos - size)) for part, twos in driven]
+
+
+def polynomial(network: Network, drive: Drive | None) -> tuple[NDArray[np.longdouble], int]:
+    """Return the determinant with a drive in the output's column, or without, by powers of s `(k,)`, and the
+    power of two that it is to be multiplied by: no product overflows."""
+    chosen, of_power = _determinant(network.wiring, drive)
+    if not chosen.size:
+        return np.zeros(1, np.longdouble), 0
     mantissa, exponent = np.frexp([e.value for e in network.elements])
-    whole, size = _value(_determinant(wiring, None), mantissa, exponent, s)
-    parts = (_value(_determinant(wiring, drive), mantissa, exponent, s) for drive in drives)
-    return [part / whole * np.exp2(float(other - size)) for part, other in parts]
-
-
-def _value(terms: _Sum, mantissa: Real, exponent: np.ndarray, s: Complex) -> tuple[Complex, int]:
-    """A sum of products at s, and the power of two that it is to be multiplied by: no product overflows."""
-    if not terms.chosen.size:
-        return np.zeros_like(s), 0
     # in extended precision, where the machine has it: near a null two products leave their rounding
-    size = np.where(terms.chosen, mantissa[:, None].astype(np.longdouble), 1.0).prod(axis=0)
-    twos = np.where(terms.chosen, exponent[:, None], 0).sum(axis=0)
-    by_power = (terms.of_power * np.ldexp(size, twos - twos.max())).sum(axis=1).astype(float)
-    return np.asarray(np.polynomial.polynomial.polyval(s, by_power)), int(twos.max())
+    size = np.where(chosen, mantissa[:, None].astype(np.longdouble), 1.0).prod(axis=0)
+    twos = np.where(chosen, exponent[:, None], 0).sum(axis=0)
+    return (of_power * np.ldexp(size, twos - twos.max())).sum(axis=1), int(twos.max())
 
 
 @cache
-def _determinant(wiring: Wiring, drive: Drive | None) -> _Sum:
+def _determinant(wiring: Wiring, drive: Drive | None) -> tuple[NDArray[np.bool_], Real]:
     """The determinant of the node equations, with a drive in the output's column by Cramer's rule.
 
-    All is multiplied by every resistance and inductance, so that no value is divided by.
+    Products of the chosen elements, `(elements, m)`, and how often each counts at a power of s, `(k, m)`.
+    Source and load hold their nodes; elsewhere the currents add up to 0. All is multiplied by every
+    impedance, so that no value is divided by.
     """
-    equations_of = equations(wiring)
-    rows: list[list[Products]] = [[{} for _ in equations_of.nodes] for _ in equations_of.nodes]
-    for i in np.flatnonzero(equations_of.fixed):
-        rows[i][i][0] = 1
+    fixed = {LOAD, *(nodes[0] for kind, nodes in wiring if kind == SOURCE)}
+    nodes = [node for node in dict.fromkeys(node for _, ends in wiring for node in ends) if node != GROUND]
+    rows: list[list[Products]] = [[{0: 1} if a == b and a in fixed else {} for b in nodes] for a in nodes]
     for k, (kind, ends) in enumerate(wiring):
-        part = equations_of.part(k, ends[0] if kind is Source else None)
-        for i, j in np.argwhere(part):
-            rows[i][j][1 << k] = int(part[i, j])
+        drop = {ends[-2]: 1, ends[-1]: -1}
+        of_equation = {ends[0]: -1} if kind == SOURCE else {n: x for n, x in drop.items() if n not in fixed}
+        for node, sign in of_equation.items():
+            for other, more in drop.items():
+                if GROUND not in (node, other):
+                    rows[nodes.index(node)][nodes.index(other)][1 << k] = sign * more
     if drive is not None:
         driven = {node: {product: times} for node, product, times in drive}
-        for node, row in zip(equations_of.nodes, rows, strict=True):
-            row[equations_of.nodes.index(OUT)] = driven.get(node, {})
+        for node, row in zip(nodes, rows, strict=True):
+            row[nodes.index(OUT)] = driven.get(node, {})
     products = _expanded(rows)
-    kinds = [kind for kind, _ in wiring]
-    chosen = np.array([[bool(product >> i & 1) for product in products] for i in range(len(kinds))], bool)
-    chosen[[kind in (Resistor, Inductor) for kind in kinds]] ^= True
-    power = chosen[[kind in (Capacitor, Inductor) for kind in kinds]].sum(axis=0)
+    chosen = np.array([[bool(product >> k & 1) for product in products] for k in range(len(wiring))], bool)
+    inverse, powers = np.array([KINDS[kind] for kind, _ in wiring]).T
+    chosen[inverse.astype(bool)] ^= True
+    power = chosen[powers > 0].sum(axis=0)
     of_power = np.array([(power == k) * list(products.values()) for k in range(power.max(initial=0) + 1)])
-    return _Sum(chosen, of_power.astype(float))
+    return chosen, of_power.astype(float)
 
 
 def _expanded(rows: list[list[Products]]) -> Products:
@@ -158,22 +143,13 @@ class Slopes(Record):
     rms: float
 
 
-@dataclass(frozen=True)
-class _Lines:
-    corner: float  # log10 of Hz
-    level: float
-    below: float
-    above: float
-    rms: float
-    errors: Real  # of corner, below, above
-
-
 def fit_slopes(frequency: Real, gain: Real, low: float, high: float, source: str = "sweep.points") -> Slopes:
     """Return corner and slopes from `low` to `high` Hz of a gain `(n,)` in dB at `(n,)` Hz, rising.
 
     Least squares over level, corner and two slopes, points weighted evenly in log f. The error is the root
     of squares of twice the fit's standard error (its residuals run together: each run of one sign counts as
-    one point) and the largest change when a tenth of the range is left out at either end or both.
+    one point) and the largest change when a tenth of the range is left out at either end or both. A curve
+    without a corner has one slope, its error the largest change over those ranges.
     Raises InputError, in the name of `source`, for fewer than 20 points in the range.
     """
     inside = (frequency >= low) & (frequency <= high)
@@ -182,27 +158,25 @@ def fit_slopes(frequency: Real, gain: Real, low: float, high: float, source: str
         raise InputError(source, f"must give at least {FEWEST} from {low:g} to {high:g} Hz", x.size)
     if (np.diff(x) <= 0).any():
         raise InputError("frequency", "must rise")
-    fits = [_two_lines(*_part(x, y, *ends)) for ends in RANGES]
-    best = fits[0]
-    corners = np.array([[10**f.corner, f.below, f.above] for f in fits])
-    fitted = 2 * best.errors * [np.log(10) * corners[0, 0], 1.0, 1.0]
-    errors = np.hypot(fitted, np.abs(corners - corners[0]).max(axis=0))
-    bend = abs(best.above - best.below)
-    if bend < max(BEND, float(np.hypot(errors[1], errors[2]))):
-        return _one_line(x, y)
-    return Slopes(
-        cutoff=Estimate(float(corners[0, 0]), float(errors[0]), "Hz"),
-        below=Estimate(best.below, float(errors[1]), "dB/dec"),
-        above=Estimate(best.above, float(errors[2]), "dB/dec"),
-        level=best.level,
-        rms=best.rms,
-    )
-
-
-def _part(x: Real, y: Real, first: float, last: float) -> tuple[Real, Real]:
     span = x[-1] - x[0]
-    inside = (x >= x[0] + first * span) & (x <= x[-1] - last * span)
-    return x[inside], y[inside]
+    within = [(x >= x[0] + first * span) & (x <= x[-1] - last * span) for first, last in RANGES]
+    parts = [(x[part], y[part]) for part in within]
+    fits = [_two_lines(*part) for part in parts]
+    (_, level, below, above), fitted, rms = fits[0]
+    corners = np.array([[10**corner, *slopes] for (corner, _, *slopes), *_ in fits])
+    scale = [np.log(10) * corners[0, 0], 1.0, 1.0]
+    errors = np.hypot(2 * fitted * scale, np.abs(corners - corners[0]).max(axis=0))
+    cutoff = Estimate(float(corners[0, 0]), float(errors[0]), "Hz")
+    slopes = [
+        Estimate(value, float(e), "dB/dec") for value, e in zip((below, above), errors[1:], strict=True)
+    ]
+    if abs(above - below) < max(BEND, float(np.hypot(errors[1], errors[2]))):
+        lines = [np.polyfit(*part, 1, w=_weights(part[0])) for part in parts]
+        values = [float(line[0]) for line in lines]
+        slopes = [Estimate(values[0], max(abs(v - values[0]) for v in values), "dB/dec")] * 2
+        cutoff, level = Estimate(None, None, "Hz"), float(np.polyval(lines[0], 0.5 * (x[0] + x[-1])))
+        rms = float(np.sqrt(((y - np.polyval(lines[0], x)) ** 2).mean()))
+    return Slopes(cutoff=cutoff, below=slopes[0], above=slopes[1], level=level, rms=rms)
 
 
 def _weights(x: Real) -> Real:
@@ -211,17 +185,19 @@ def _weights(x: Real) -> Real:
     return np.asarray(np.sqrt(share / share.mean()))
 
 
-def _columns(x: Real, corner: float) -> Real:
-    return np.column_stack([np.ones_like(x), np.minimum(x - corner, 0.0), np.maximum(x - corner, 0.0)])
-
-
-def _two_lines(x: Real, y: Real) -> _Lines:
+def _two_lines(x: Real, y: Real) -> tuple[list[float], Real, float]:
+    """The nearest corner (log10 of Hz), level and slopes; the errors of corner and slopes; the rms."""
     weight = _weights(x)
 
+    def columns(corner: float) -> Real:
+        sides = np.minimum(x - corner, 0.0), np.maximum(x - corner, 0.0)
+        return np.column_stack([np.ones_like(x), *sides])
+
     def solved(corner: float) -> tuple[Real, Real]:
-        columns = _columns(x, corner)
-        part = np.asarray(np.linalg.lstsq(weight[:, None] * columns, weight * y, rcond=None)[0], float)
-        return part, y - columns @ part
+        part = np.asarray(
+            np.linalg.lstsq(weight[:, None] * columns(corner), weight * y, rcond=None)[0], float
+        )
+        return part, y - columns(corner) @ part
 
     def cost(corner: float) -> float:
         return float(((weight * solved(corner)[1]) ** 2).sum())
@@ -234,29 +210,12 @@ def _two_lines(x: Real, y: Real) -> _Lines:
     (level, below, above), rest = solved(corner)
     # the corner's own column of the Jacobian, for the joint covariance
     slope = np.where(x < corner, -below, -above)
-    jacobian = weight[:, None] * np.column_stack([slope, _columns(x, corner)])
+    jacobian = weight[:, None] * np.column_stack([slope, columns(corner)])
     runs = max(5, 1 + int((np.diff(np.sign(rest)) != 0).sum()))  # 5: one more than what is fitted
-    variance = float((weight**2 * rest**2).mean()) * x.size / runs
-    covariance = variance * np.linalg.pinv(jacobian.T @ jacobian)
+    square = float((weight**2 * rest**2).mean())
+    covariance = square * x.size / runs * np.linalg.pinv(jacobian.T @ jacobian)
     deviations = np.sqrt(np.clip(np.diag(covariance), 0.0, None))[[0, 2, 3]]
-    rms = float(np.sqrt((weight**2 * rest**2).mean()))
-    return _Lines(corner, float(level), float(below), float(above), rms, deviations)
-
-
-def _one_line(x: Real, y: Real) -> Slopes:
-    """The one slope of a curve without a corner; its error is the largest change over the ranges."""
-    slopes = [np.polyfit(*_part(x, y, *ends), 1, w=_weights(_part(x, y, *ends)[0])) for ends in RANGES]
-    values = [float(s[0]) for s in slopes]
-    rest = y - np.polyval(slopes[0], x)
-    slope = Estimate(values[0], max(abs(v - values[0]) for v in values), "dB/dec")
-    middle = float(np.polyval(slopes[0], 0.5 * (x[0] + x[-1])))
-    return Slopes(
-        cutoff=Estimate(None, None, "Hz"),
-        below=slope,
-        above=slope,
-        level=middle,
-        rms=float(np.sqrt((rest**2).mean())),
-    )
+    return [corner, float(level), float(below), float(above)], deviations, float(np.sqrt(square))
 
 
 def noise_density(network: Network, frequency: Real) -> dict[str, Real]:
@@ -270,21 +229,20 @@ def noise_density(network: Network, frequency: Real) -> dict[str, Real]:
 
 def _sources(network: Network, frequency: Real) -> Iterator[tuple[str, Drive, Real | float]]:
     """Each noise source: its name, where it drives the network, and its own density, V2/Hz or A2/Hz."""
-    fixed = {GROUND, LOAD, *(e.a for e in network.elements if isinstance(e, Source))}
+    fixed = {GROUND, LOAD, *(e.nodes[0] for e in network.elements if e.kind == SOURCE)}
     thermal = 4 * Boltzmann * network.temperature
     for i, e in enumerate(network.elements):
-        if isinstance(e, Source):
-            if e.voltage_density:
-                yield f"{e.name} voltage", ((e.a, 1 << i, 1),), e.voltage_density**2
-            for node in sorted({e.plus, e.minus} - fixed) if e.current_density else ():
+        if e.voltage_density:
+            yield f"{e.name} voltage", ((e.nodes[0], 1 << i, 1),), e.voltage_density**2
+        if e.current_density:
+            for node in sorted({*e.nodes[1:]} - fixed):
                 yield f"{e.name} current into {node}", ((node, 0, 1),), e.current_density**2
-            continue
-        both = [(node, sign) for node, sign in ((e.a, 1), (e.b, -1)) if node not in fixed]
-        if isinstance(e, Resistor):
-            yield e.name, tuple((node, 1 << i, sign) for node, sign in both), thermal * e.value
-        elif isinstance(e, Capacitor) and e.loss:
-            conductance = 2 * np.pi * frequency * e.loss
-            yield f"{e.name} loss", tuple((node, 0, sign) for node, sign in both), thermal * conductance
+        ends = [(node, sign) for node, sign in zip(e.nodes, (1, -1), strict=False) if node not in fixed]
+        if e.kind == "R":
+            yield e.name, tuple((node, 1 << i, sign) for node, sign in ends), thermal * e.value
+        if e.loss:
+            power = thermal * (2 * np.pi * frequency * e.loss)
+            yield f"{e.name} loss", tuple((node, 0, sign) for node, sign in ends), power
 
 
 def total_density(network: Network, frequency: Real) -> Real:

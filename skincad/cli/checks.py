@@ -144,12 +144,12 @@ def accuracy(
 ) -> None:
     """Show what accuracy costs in time on this design.
 
-    Writes accuracy.csv and a diagram of error against time for each ladder of models and settings.
+    Writes accuracy.csv and a diagram of error against time, a row for each ladder of models and settings.
     """
-    from skincad.outputs.studies import accuracy_names
+    from skincad.outputs.studies import ACCURACY_FILES
 
     design = skincad.load(source, settings, silicones=silicones)
-    target = out_folder(folder, design.name, "accuracy", accuracy_names(ladders))
+    target = out_folder(folder, design.name, "accuracy", ACCURACY_FILES)
     with stage_bar(1) as progress:
         result = skincad.accuracy(design, ladders, repeats=repeats, progress=progress)
     deliver(result, skincad.write(result, target), options.Display(as_json=as_json))

@@ -82,7 +82,8 @@ def live(
     """Move a design or scene with sliders, in the browser.
 
     Section, skin and mold follow each move; findings and the closed form's verdict come at once, those of
-    better models as they finish. A scene's history is drawn by hand. Undo, save as TOML, make. Ctrl-C ends.
+    better models as they finish. A scene's history and signals are plots. Undo, save as TOML, make. Ctrl-C
+    ends.
     """
     from skincad.circuit.model import Circuit
     from skincad.live.serve import serve

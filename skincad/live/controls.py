@@ -116,21 +116,12 @@ def _of_list(model: type[BaseModel], field: FieldInfo, key: str, values: Any) ->
     if not numbers:
         return
     unit, largest = unit_of(model, (name,)), max(map(abs, numbers)) or ZERO_REACH
-    low = 0.0 if min(numbers) >= 0 else -2 * largest
+    ends = 0.0 if min(numbers) >= 0 else -2 * largest, 2 * largest
     for place, value in enumerate(numbers, 1):
         if place > 1 or table != HISTORY:
-            label = _label(f"{name.removesuffix(f'_{unit}')} {place}", unit)
-            yield Control(
-                key=f"{key}.{place}",
-                table=table,
-                label=label,
-                hint=f"{key}.{place}: {field.description}",
-                kind="slider",
-                value=value,
-                low=low,
-                high=2 * largest,
-                step=_step(low, 2 * largest),
-            )
+            label, own = _label(f"{name.removesuffix(f'_{unit}')} {place}", unit), f"{key}.{place}"
+            hint = f"{own}: {field.description}"
+            yield Control(own, table, label, hint, "slider", value, None, *ends, _step(*ends))
 
 
 def _of_value(subject: Editable, model: BaseModel, field: FieldInfo, key: str) -> Iterator[Control]:
@@ -138,9 +129,8 @@ def _of_value(subject: Editable, model: BaseModel, field: FieldInfo, key: str) -
     value, hint = getattr(model, name), f"{key}: {field.description}"
     drops = not field.is_required() and field.default is None
     if names := _names(subject, field, key):
-        yield Control(
-            key, table, _label(name, ""), hint, "choice", value or "", choices=("",) * drops + names
-        )
+        choices = ("",) * drops + names
+        yield Control(key, table, _label(name, ""), hint, "choice", value or "", choices=choices)
         return
     if not {int, float, NumberWithRange} & {*kinds(field)}:
         return
@@ -153,22 +143,14 @@ def _of_value(subject: Editable, model: BaseModel, field: FieldInfo, key: str) -
     known = (value is None and shown is not None) or key.removeprefix(SKIN) in ALWAYS
     initial = _initial(subject, key, low, high) if drops and not known else None
     start = shown if isinstance(shown, int | float) else initial or 0.0
-    ends = reach(start, low, high, unit)
+    ends, step = reach(start, low, high, unit), 1.0
     if whole:
         ends = float(math.floor(ends[0])), float(math.ceil(ends[1]))
-    yield Control(
-        key=key,
-        table=table,
-        label=_label(name, unit),
-        hint=_hint_with_range(hint, low, high),
-        kind="slider",
-        value=shown,
-        initial=initial,
-        low=ends[0],
-        high=ends[1],
-        step=1.0 if whole else _step(*ends),
-        whole=whole,
-    )
+    else:
+        step = _step(*ends)
+    limited = [words for end, words in ((low, f"from {low:g}"), (high, f"to {high:g}")) if math.isfinite(end)]
+    hint = f"{hint} ({' '.join(limited)})" if limited else hint
+    yield Control(key, table, _label(name, unit), hint, "slider", shown, initial, *ends, step, whole)
 
 
 def _names(subject: Editable, field: FieldInfo, key: str) -> tuple[str, ...]:
@@ -197,13 +179,10 @@ def _initial(subject: Editable, key: str, low: float, high: float) -> float:
 
 def limits(field: FieldInfo) -> tuple[float, float]:
     """Return the least and the largest value of a number's field, infinite where it has none."""
-    low, high = -math.inf, math.inf
+    ends = {"ge": -math.inf, "gt": -math.inf, "le": math.inf, "lt": math.inf}
     for rule in field.metadata:
-        for name in ("ge", "gt"):
-            low = max(low, getattr(rule, name, None) or (0.0 if hasattr(rule, name) else -math.inf))
-        for name in ("le", "lt"):
-            high = min(high, getattr(rule, name, None) or (0.0 if hasattr(rule, name) else math.inf))
-    return low, high
+        ends |= {name: getattr(rule, name) for name in ends if getattr(rule, name, None) is not None}
+    return max(ends["ge"], ends["gt"]), min(ends["le"], ends["lt"])
 
 
 def reach(value: float, low: float, high: float, unit: str) -> tuple[float, float]:
@@ -230,13 +209,7 @@ def _label(name: str, unit: str) -> str:
     return name.replace("_", " ") + (f", {unit}" if unit else "")
 
 
-def _hint_with_range(hint: str, low: float, high: float) -> str:
-    ends = [f"from {low:g}" if math.isfinite(low) else "", f"to {high:g}" if math.isfinite(high) else ""]
-    ends = [end for end in ends if end]
-    return f"{hint} ({' '.join(ends)})" if ends else hint
-
-
-OPEN = ("skin", "ridge", "effects.")  # folders that are open at first, by how their tables begin
+OPEN = ("history", "skin", "ridge", "effects.")  # folders that are open at first, by how their tables begin
 NEAR = 0.05  # of a slider's range: an end, at which the range is set again
 NOT_GIVEN = "-"  # in a list, of a key that need not be given
 WORDS = {"skin": "skin", "contact": "pressing", "contact.plate": "plate that it is pressed on"}
@@ -275,7 +248,11 @@ class Panel:
             widget = self._inputs[control.key]
             share = (control.value - widget.min) / (widget.max - widget.min)
             if not NEAR < share < 1 - NEAR:
-                self._range(control)
+                kind = int if control.whole else float
+                ends = kind(control.low), kind(control.high), kind(control.step)
+                if (widget.min, widget.max, widget.step) != ends:
+                    widget.min, widget.max, widget.step = ends
+                    widget.precision = 0 if control.whole else max(0, round(-math.log10(control.step)))
                 self._show(control)
 
     def _build(self, table: str, entries: list[Control], place: int) -> None:
@@ -289,52 +266,38 @@ class Panel:
         self._folders[table] = folder
         with folder:
             for control in entries:
-                if control.kind == "slider":
-                    self._add_slider(control)
-                elif control.kind == "choice":
-                    self._add_choice(control)
-                else:
-                    self._add_table(control)
+                self._add(control)
 
-    def _add_slider(self, control: Control) -> None:
-        key, kind = control.key, int if control.whole else float
-        if control.initial is not None:
-            switch = self._gui.add_checkbox(control.label, control.value is not None, hint=control.hint)
-            switch.on_update(self._guarded(self._on_switch, key, control.initial))
-            self._switches[key] = switch
-        value = control.value if isinstance(control.value, int | float) else control.initial or 0
-        ends = kind(control.low), kind(control.high), kind(control.step), kind(value)
-        label = control.label if control.initial is None else ""
-        self._inputs[key] = slider = self._gui.add_slider(label, *ends, hint=control.hint)
-        slider.on_update(self._guarded(self._on_slider, key))
+    def _add(self, control: Control) -> None:
+        """Add a control's input; moved, it gives its key another value."""
+        key, hint, gui, desk = control.key, control.hint, self._gui, self._desk
+        if control.kind == "table":
+            widget = gui.add_checkbox(control.label, bool(control.value), hint=hint)
+        elif control.kind == "choice":
+            options, value = [choice or NOT_GIVEN for choice in control.choices], control.value or NOT_GIVEN
+            widget = gui.add_dropdown(control.label, options, initial_value=str(value), hint=hint)
+        else:
+            kind = int if control.whole else float
+            if control.initial is not None:
+                switch = gui.add_checkbox(control.label, control.value is not None, hint=hint)
+                self._switches[key] = switch
+                switch.on_update(
+                    self._guarded(lambda: desk.move({key: control.initial if switch.value else None}))
+                )
+            value = control.value if isinstance(control.value, int | float) else control.initial or 0
+            ends = kind(control.low), kind(control.high), kind(control.step), kind(value)
+            widget = gui.add_slider(control.label if control.initial is None else "", *ends, hint=hint)
 
-    def _add_choice(self, control: Control) -> None:
-        options = [choice or NOT_GIVEN for choice in control.choices]
-        value = str(control.value or NOT_GIVEN)
-        self._inputs[control.key] = dropdown = self._gui.add_dropdown(
-            control.label, options, initial_value=value, hint=control.hint
-        )
-        dropdown.on_update(self._guarded(self._on_choice, control.key))
+        def moved() -> None:
+            wanted = {key: widget.value}
+            if control.kind == "table":
+                wanted = {key: table_for(desk.session, key) if widget.value else None}
+            elif control.kind == "choice":
+                wanted = with_companions(key, None if widget.value == NOT_GIVEN else widget.value)
+            desk.move(wanted)
 
-    def _add_table(self, control: Control) -> None:
-        box = self._gui.add_checkbox(control.label, bool(control.value), hint=control.hint)
-        self._inputs[control.key] = box
-        box.on_update(self._guarded(self._on_table, control.key))
-
-    def _on_slider(self, key: str) -> None:
-        self._desk.move({key: self._inputs[key].value})
-
-    def _on_switch(self, key: str, initial: float) -> None:
-        on = self._switches[key].value
-        self._desk.move({key: initial if on else None})
-
-    def _on_choice(self, key: str) -> None:
-        value = self._inputs[key].value
-        self._desk.move(with_companions(key, None if value == NOT_GIVEN else value))
-
-    def _on_table(self, key: str) -> None:
-        on = self._inputs[key].value
-        self._desk.move({key: table_for(self._desk.session, key) if on else None})
+        self._inputs[key] = widget
+        widget.on_update(self._guarded(moved))
 
     def _show(self, control: Control) -> None:
         """Bring an input to what the session has, what waits included."""
@@ -352,10 +315,3 @@ class Panel:
                 if not widget.min <= value <= widget.max:
                     widget.min, widget.max = min(widget.min, value), max(widget.max, value)
                 widget.value = value
-
-    def _range(self, control: Control) -> None:
-        widget, kind = self._inputs[control.key], int if control.whole else float
-        ends = kind(control.low), kind(control.high), kind(control.step)
-        if (widget.min, widget.max, widget.step) != ends:
-            widget.min, widget.max, widget.step = ends
-            widget.precision = 0 if control.whole else max(0, round(-math.log10(control.step)))

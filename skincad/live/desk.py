@@ -6,9 +6,8 @@ An observer hears of each change; nothing here knows of a browser.
 from __future__ import annotations
 
 import sys
-from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from threading import RLock
@@ -40,10 +39,14 @@ class Reply(Generic[T]):
     what: T
 
 
-@dataclass(frozen=True, eq=False)
-class Answers:
-    """The newest of each kind; None where there was none yet. `better` are the verdicts of better models than
-    the closed form as they came, `verdict` the last one, as `skincad check` has it."""
+class Desk:
+    """One session with its answers; `source` is the template or file that it began from.
+
+    `observer` is called with "session", "quiet" or the name of the answer that changed: from any thread, one
+    call at a time. Answers are the newest of each kind, None where there was none yet. `better` are the
+    verdicts of better models than the closed form as they came, `verdict` is the last one, as `skincad check`
+    has it.
+    """
 
     view: Reply[DesignView] | None = None
     closed_form: Reply[ContactCheck | str] | None = None
@@ -52,32 +55,12 @@ class Answers:
     verdict: Reply[ContactCheck] | None = None
     signals: Reply[Signals] | None = None
     trouble: Reply[str] | None = None
-    stage: str = ""  # what is computed now
-    making: str = ""  # what `make` is at, or said at its end
-
-
-@dataclass(frozen=True)
-class ReplyTiming:
-    """When, s of `perf_counter`, a move came, and when its picture and first verdict had been handed on."""
-
-    moved_at: float
-    drawn_at: float
-    verdict_at: float
-
-
-class Desk:
-    """One session with its answers; `source` is the template or file that it began from.
-
-    `observer` is called with "session", "quiet" or the name of the answer that changed: from any thread, one
-    call at a time.
-    `move_time` is when the current move came; it may have waited for `lock`.
-    """
+    stage = ""  # what is computed now
+    making = ""  # what `make` is at, or said at its end
 
     def __init__(self, subject: Editable, source: str, observer: Callable[[str], None]) -> None:
         self.source, self._observer = source, observer
-        self.session, self.answers = start_session(subject), Answers()
-        self.timings: deque[ReplyTiming] = deque(maxlen=1000)
-        self.move_time = perf_counter()
+        self.session = start_session(subject)
         self.lock = RLock()
         self._quick = LatestRunner(self._work)
         self._slow = Worker(run_scene if isinstance(subject, Scene) else check_design, self._on_news)
@@ -88,7 +71,7 @@ class Desk:
 
     def begin(self) -> None:
         """Compute the first answers."""
-        self._quick.give((self.session, self.move_time))
+        self._quick.give(self.session)
 
     def close(self) -> None:
         """End the processes beside it, and call no observer any more."""
@@ -101,9 +84,9 @@ class Desk:
     def wait_until_drawn(self, timeout: float) -> bool:
         """Wait until the newest subject is drawn, at most `timeout` s; return whether it is."""
         ends = perf_counter() + timeout
-        while not self.is_current(self.answers.view) and perf_counter() < ends:
+        while not self.is_current(self.view) and perf_counter() < ends:
             sleep(0.01)
-        return self.is_current(self.answers.view)
+        return self.is_current(self.view)
 
     def wait_until_settled(self, timeout: float) -> bool:
         """Wait until all answers are of the newest subject, at most `timeout` s; return whether they are."""
@@ -156,26 +139,23 @@ class Desk:
             before, self.session = self.session, step(self.session)
             self._observer("session")
             if self.session.subject != before.subject:
-                self._quick.give((self.session, self.move_time))
+                self._quick.give(self.session)
 
     def _answer(self, kind: str, **changes: Any) -> None:
         with self.lock:
-            self.answers = replace(self.answers, **changes)
+            vars(self).update(changes)
             self._observer(kind)
 
-    def _work(self, request: tuple[Session, float], newer: Callable[[], bool]) -> None:
+    def _work(self, session: Session, newer: Callable[[], bool]) -> None:
         """What is quick, as long as nobody moves on: the picture, the closed form's verdict, findings."""
-        session, moved_at = request
         subject, is_design = session.subject, isinstance(session.subject, Design)
         try:
             picture = view(session.design, molded=is_design)
             self._answer("view", view=Reply(subject, picture))
-            drawn_at = perf_counter()
             if newer():
                 return
             if is_design:
                 self._answer("closed_form", closed_form=Reply(subject, closed_form(session)))
-            self.timings.append(ReplyTiming(moved_at, drawn_at, perf_counter()))
             ends = perf_counter() + QUIET
             while perf_counter() < ends and not newer():
                 sleep(0.01)
@@ -197,7 +177,7 @@ class Desk:
             self._answer("stage", stage=f"{stage}{more}")
         elif kind == "model":
             with self.lock:
-                before = self.answers.better
+                before = self.better
                 verdicts = before.what if before is not None and before.of == subject else ()
                 others = tuple(verdict for verdict in verdicts if verdict.model != what.model)
             self._answer("better", better=Reply(subject, (*others, what)))

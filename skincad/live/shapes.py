@@ -6,11 +6,13 @@ from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 
 from skincad.base.errors import InputError
 from skincad.fabrication.meshes import mesh
 from skincad.inputs.design import Design
+from skincad.outputs.pages import html
 from skincad.outputs.view import explosion_offset
 from skincad.shape.curves import Loop, polygon
 from skincad.shape.skin import Section, section, skin_of
@@ -20,9 +22,6 @@ from skincad.solids.skin import skin_part
 
 CHORD = 2e-3  # of the pad's width: what a chord may miss, less than a pixel of the page
 FINE = 2e-3  # of the pitch: chords of the section's picture
-TALLEST = 150  # px, of a picture of the section
-INK = "#333"
-SILICONE, FILM = "#eebfa6", "#b5482a"
 
 Vector = tuple[float, float, float]
 
@@ -33,7 +32,7 @@ class Piece:
 
     name: str
     label: str  # what it is: cavity, end plates, shim, ...
-    colour: Vector  # red, green, blue, 0 to 1
+    colour: tuple[int, int, int]  # red, green, blue, 0 to 255
     corners: NDArray[np.float32]
     faces: NDArray[np.uint32]
     offset: Vector
@@ -87,47 +86,39 @@ def section_svg(design: Design) -> str:
     shape, skin = section(design), skin_of(design)
     base, count = skin.base, skin.count
     reach = min(1.6 * skin.pitch, 0.5 * base.width)
-    height = skin.heights[(count - 1) // 2]
+    top = base.thickness + skin.heights[(count - 1) // 2]
     wide = max(abs(s.start.x) for s in shape.outline)
     low = max(base.thickness - 0.35 * reach, 0.0)
-    whole = _frame(shape, design, (-wide, 0.0, wide, shape.top))
-    near = _frame(shape, design, (-reach, low, reach, base.thickness + height))
     size = f"{base.width:g} x {base.length:g} x {shape.top:.4g} mm"
-    summary = f"{count} ridge{'s' * (count > 1)}, {size}; below the middle ones"
-    return f"<div>Section: {summary}</div>{whole}{near}"
+    frames = (
+        _frame(shape, design, (-wide, 0.0, wide, shape.top)),
+        _frame(shape, design, (-reach, low, reach, top)),
+    )
+    return html("live.html", "section", f"{count} ridge{'s' * (count > 1)}, {size}", frames)
 
 
-def _frame(shape: Section, design: Design, box: tuple[float, float, float, float]) -> str:
-    """A part of the section between these x and z, mm, z up."""
+def _frame(
+    shape: Section, design: Design, box: tuple[float, float, float, float]
+) -> tuple[str, list[tuple[str, str]]]:
+    """A part of the section between these x and z, mm, z up: its view box, and paths by what they show."""
     left, low, right, high = box
     margin = 0.03 * (right - left)
-    frame = f"{left - margin:.5g} {-high - margin:.5g} {right - left + 2 * margin:.5g}"
-    frame += f" {high - low + 2 * margin:.5g}"
+    sides = left - margin, -high - margin, right - left + 2 * margin, high - low + 2 * margin
     fine = min(FINE * skin_of(design).pitch, 1e-3 * (right - left))
-    line = f'stroke="{INK}" stroke-width="1" vector-effect="non-scaling-stroke"'
-    drawn = [f'<path d="{_path(shape.outline, fine)}" fill="{SILICONE}" {line}/>']
-    for slot in shape.slots:
-        if left <= slot.centre.x <= right:
-            fill = SILICONE if design.film_state != "loose" else "white"
-            drawn.append(f'<path d="{_path(slot.loop(), fine)}" fill="{fill}" {line} stroke-opacity="0.5"/>')
-            if design.film:
-                strip = _path(slot.loop(design.film.thickness), fine)
-                drawn.append(f'<path d="{strip}" fill="{FILM}"/>')
-    style = f'width="100%" style="max-height:{TALLEST}px;display:block;margin:4px 0"'
-    return f'<svg viewBox="{frame}" {style}>{"".join(drawn)}</svg>'
 
+    def path(outline: Loop) -> str:
+        return f"M{' '.join(f'{x:.5g},{-z:.5g}' for x, z in polygon(outline, fine))}Z"
 
-def _path(outline: Loop, fine: float) -> str:
-    points = " ".join(f"{x:.5g},{-z:.5g}" for x, z in polygon(outline, fine))
-    return f"M{points}Z"
+    paths = [("skin", path(shape.outline))]
+    for slot in (slot for slot in shape.slots if left <= slot.centre.x <= right):
+        paths.append(("slot" if design.film_state != "loose" else "void", path(slot.loop())))
+        if design.film:
+            paths.append(("film", path(slot.loop(design.film.thickness))))
+    return " ".join(f"{side:.5g}" for side in sides), paths
 
 
 def _piece(name: str, parts: list[Part], offset: Vector, chord: float) -> Piece:
-    shapes, count = [mesh(part, chord) for part in parts], 0
-    corners, faces = [], []
-    for shape in shapes:
-        corners.append(np.asarray(shape.vertices, dtype=np.float32))
-        faces.append(np.asarray(shape.faces, dtype=np.uint32) + np.uint32(count))
-        count += len(shape.vertices)
-    role = parts[0].role
-    return Piece(name, role.label, role.colour, np.vstack(corners), np.vstack(faces), offset)
+    shape, role = trimesh.util.concatenate([mesh(part, chord) for part in parts]), parts[0].role
+    corners, faces = shape.vertices.astype(np.float32), shape.faces.astype(np.uint32)
+    red, green, blue = (round(255 * part) for part in role.colour)
+    return Piece(name, role.label, (red, green, blue), corners, faces, offset)

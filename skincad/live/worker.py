@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError, exhausted
+from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.scenes.scene import Scene
 
@@ -29,16 +30,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Signals:
-    """Signals of a simulated scene: a differential stress by monitored ridge, MPa, over `time` s, all `(n,)`.
+    """Signals of a simulated scene: the differential stress of each monitored ridge, MPa, over `time`, s.
 
     `rough` signals are of a single coarse mesh, of unknown error; `lines` are what `simulate` prints.
     """
 
     time: Array
-    normal: Array  # N
-    tangential: Array  # N
     stress: dict[int, Array]
-    slip_steps: tuple[int | None, ...]
     rough: bool
     lines: tuple[str, ...]
 
@@ -48,9 +46,7 @@ def check_design(design: Design, tell: Tell) -> None:
     from skincad.mechanics.check import check
     from skincad.studies.advice import advising, seconds_for_advice
 
-    def stage(what: str, left: float | None = None, /) -> None:
-        tell("stage", (what, left))
-
+    stage = _stages(tell)
     contact_check = check(design, progress=stage, on_verdict=lambda verdict: tell("model", verdict))
     tell("verdict", contact_check)
     for more in advising(design, contact_check, stage, seconds_for_advice(contact_check)):
@@ -75,15 +71,18 @@ def make_files(request: tuple[Design, Path], tell: Tell) -> None:
     from skincad.outputs.delivery import ready, write
     from skincad.outputs.makes import COMMAND, names
 
-    design, folder = request
-
-    def stage(what: str, left: float | None = None, /) -> None:
-        tell("stage", (what, left))
-
+    (design, folder), stage = request, _stages(tell)
     ready(folder, COMMAND, names(design))
     result = make(design, progress=stage)
     written = write(result, folder, progress=stage)
     tell("made", (result.summary, result.details(), str(written)))
+
+
+def _stages(tell: Tell) -> Progress:
+    def stage(what: str, left: float | None = None, /) -> None:
+        tell("stage", (what, left))
+
+    return stage
 
 
 def preload() -> None:
@@ -96,16 +95,8 @@ def preload() -> None:
 
 
 def _signals(simulation: Simulation, *, rough: bool) -> Signals:
-    march = simulation.march
-    return Signals(
-        time=march.time,
-        normal=march.column("normal"),
-        tangential=march.column("tangential"),
-        stress={ridge: signal.value for ridge, signal in simulation.signals.items()},
-        slip_steps=tuple(simulation.slip_steps),
-        rough=rough,
-        lines=tuple(str(simulation).split("\n")),
-    )
+    stress = {ridge: signal.value for ridge, signal in simulation.signals.items()}
+    return Signals(simulation.march.time, stress, rough, tuple(str(simulation).split("\n")))
 
 
 PATIENCE = 3.0  # s, until a process that does not check for a newer question is ended

@@ -17,7 +17,7 @@ __getattr__, __dir__ = face(
     figures.canvas: Axes STYLES save sheet
     figures.results: gain_figure
     figures.stress: COLOURS FRAME_WIDTH Moment moments_limit section_animation section_picture
-    figures.studies: LADDER_SIZE diagram pareto
+    figures.studies: LADDER_SIZE accuracy_figure pareto
     gallery: forces
     makes: names
     simulations: SIMULATION write_table
@@ -25,7 +25,7 @@ __getattr__, __dir__ = face(
     simulators.meshes: tetrahedra
     simulators.package: Package markdown package
     solid_files: assembly write_assembly write_step write_stl
-    studies: ACCURACY accuracy_names front_names sweep_csv sweep_names sweep_page write_solution write_wish
+    studies: ACCURACY ACCURACY_FILES front_names sweep_csv sweep_names sweep_page write_solution write_wish
     tomls: HOME LISTS check_new document_name first_of listing schema_of start_names table_entries
         write_copy write_new write_with_modulus
     view: explosion_offset

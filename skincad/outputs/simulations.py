@@ -193,9 +193,9 @@ def calibrated_toml(circuit_gain: CircuitGain) -> str:
     Film and lead share the calibrated capacitance: what the film's size does not give is the lead's, and a
     film that has more than the whole gets a smaller electrode.
     """
-    if circuit_gain.measured is None:
+    if circuit_gain.calibration is None:
         raise ValueError("nothing was calibrated")
-    c, circuit, fit = circuit_gain.constants, circuit_gain.circuit, circuit_gain.measured.calibration
+    c, circuit, fit = circuit_gain.constants, circuit_gain.circuit, circuit_gain.calibration
     film = circuit.film
     film_capacitance = capacitance(film.area, film.thickness, film.permittivity)
     area = film.area * min(1.0, c.capacitance / film_capacitance)

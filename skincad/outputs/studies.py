@@ -10,7 +10,7 @@ import json
 import re
 import shlex
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -26,7 +26,7 @@ from skincad.outputs import checks
 from skincad.outputs.delivery import Presentation, text
 from skincad.outputs.tomls import commented_toml, document_name, write_copy, write_with_schema
 from skincad.studies.accuracy.accuracy import Accuracy
-from skincad.studies.accuracy.ladder import LADDERS, Ladder
+from skincad.studies.accuracy.ladder import Ladder
 from skincad.studies.query import Evaluation, short, slack, worded
 from skincad.studies.searches import combinations
 from skincad.studies.solving import Solution
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 PAGE = "study.html"
 NUMBER = re.compile(r"\d[\d.e+-]*")
 FRONT_TABLE, FRONT_PAGE = "optimise.csv", "optimise.html"
-ACCURACY_TABLE = "accuracy.csv"
+ACCURACY_FILES = ("accuracy.csv", "accuracy.png")
 COLUMNS = ("ladder", "model", "setting", "unknowns", "seconds", "spread_s", "repeats")
 SHOWN = 6  # members of the front, in words and as designs
 
@@ -219,17 +219,11 @@ def write_wish(path: Path, wish: WishResult, full: bool = False) -> list[Path]:
     return write_with_schema(path, "designs", written, wish.design.features.family)
 
 
-def accuracy_names(ladders: Iterable[str]) -> list[str]:
-    """Return the names of what will be written of these ladders, of all if there are none."""
-    return [ACCURACY_TABLE, *(f"accuracy-{name}.png" for name in list(ladders) or LADDERS)]
-
-
 def accuracy_figures(accuracy: Accuracy) -> dict[str, Callable[[], Picture]]:
-    """Return the diagram of error against time of each ladder."""
-    from skincad.outputs.figures.studies import diagram
+    """Return the diagram of error against time, a row for each ladder."""
+    from skincad.outputs.figures.studies import accuracy_figure
 
-    drawn = ((ladder.name, partial(diagram, ladder, accuracy.machine)) for ladder in accuracy.ladders)
-    return {f"accuracy-{name}.png": draw for name, draw in drawn}
+    return {ACCURACY_FILES[1]: partial(accuracy_figure, accuracy)}
 
 
 def accuracy_csv(accuracy: Accuracy) -> str:
@@ -254,6 +248,7 @@ def _trial_table(ladder: Ladder) -> Iterator[str]:
     yield f"  {'model':{models}}  {'setting':{settings}} {'unknowns':>9} {'time, s':>9} {'±':>8} {heads}"
     best = {measure.name: ladder.best(measure) for measure in measures}
     for point in ladder.trials:
+        spread = max(point.runs) - min(point.runs)
         cells = "".join(
             f"{point.errors[m.name]:>{widths[m.name] - 1}.2g}{'*' if point in best[m.name] else ' '}"
             if m.name in point.errors
@@ -262,7 +257,7 @@ def _trial_table(ladder: Ladder) -> Iterator[str]:
         )
         yield (
             f"  {point.model:{models}}  {point.setting:{settings}} {point.unknowns:9d} {point.seconds:9.3g} "
-            f"{point.spread / 2:8.1g} {cells}".rstrip()
+            f"{spread / 2:8.1g} {cells}".rstrip()
         )
 
 
@@ -346,6 +341,6 @@ ACCURACY = Presentation(
     COMMAND="accuracy",
     words="accuracy.txt",
     facts={"trial_table": _trial_table},
-    writers=lambda accuracy: {ACCURACY_TABLE: text(lambda: accuracy_csv(accuracy))},
+    writers=lambda accuracy: {ACCURACY_FILES[0]: text(lambda: accuracy_csv(accuracy))},
     figures=accuracy_figures,
 )

@@ -10,9 +10,9 @@ from skincad.base.faces import face
 __getattr__, __dir__ = face(
     __name__,
     """
-    accuracy.accuracy: Accuracy
+    accuracy.accuracy: Accuracy LADDERS
     accuracy.contact: MESH measures_of
-    accuracy.ladder: ErrorMeasure LADDERS Ladder Measurement ladder_of slope
+    accuracy.ladder: ErrorMeasure Ladder Measurement slope
     accuracy.slip: scene_on
     advice: advise advising seconds_for_advice
     optimising: optimise

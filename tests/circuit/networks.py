@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import matrix_balance
 
 from skincad.circuit import BOUNDS, Constants, Network, netlist, run, state_space, stepper
 from skincad.circuit.response import response
@@ -60,9 +61,11 @@ def random_sets(count: int, seed: int = 6) -> list[Constants]:
 
 def state_response(network: Network, charge: float, frequency: np.ndarray) -> np.ndarray:
     """Return the response `(n,)` V/N of the state equations, solved at jw, to `charge` C/N."""
-    s = state_space(network)
-    rows = 2j * np.pi * frequency[:, None, None] * np.eye(s.b.size) - s.a
-    return np.asarray(np.linalg.solve(rows, s.b[:, None] * charge)[:, :, 0] @ s.c + s.d * charge)
+    s, jw = state_space(network), 2j * np.pi * frequency
+    a, (units, _) = matrix_balance(s.a, permute=False, separate=True)
+    rows = jw[:, None, None] * np.eye(s.b.size) - a
+    states = np.linalg.solve(rows, (s.b / units)[:, None])[:, :, 0]
+    return np.asarray(charge * (jw * (states @ (s.c * units)) + s.d))
 
 
 def output(network: Network, charge: np.ndarray, rate: float) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Both amplifiers solved by hand, to test the package's general solution by.
+"""Both amplifiers solved by hand, to test the package's general solution by, and the paper's statements.
 
 Source: Yamada et al. 2002: the loop equations (2) to (9), their solution with every source term, and as the
 paper prints it, (10) to (14). (12) to (14) leave out what the source drives in (6) and (7), so (10) is not
@@ -10,7 +10,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from skincad.circuit import Complex, Constants, Real
+from skincad.circuit import (
+    PAPER_ABOVE,
+    PAPER_BELOW,
+    PAPER_CUTOFF,
+    PAPER_HIGH,
+    PAPER_LOW,
+    Complex,
+    Constants,
+    Real,
+)
+
+
+def paper_target(points: int = 117) -> tuple[Real, Real]:
+    """Return frequencies, Hz, and gain, dB, 0 at 1.2 kHz: 20 dB/dec up to there and 60 above (paper)."""
+    frequency = np.geomspace(PAPER_LOW, PAPER_HIGH, points)
+    slope = np.where(frequency < PAPER_CUTOFF, PAPER_BELOW, PAPER_ABOVE)
+    return frequency, np.asarray(slope * np.log10(frequency / PAPER_CUTOFF))
 
 
 def angular(frequency: Real) -> Complex:

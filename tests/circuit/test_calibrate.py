@@ -10,11 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bench.circuits import READINGS, nearest
 from skincad.base import Estimate
 from skincad.circuit import (
-    ANY_RATIO,
     BOUNDS,
-    FILM_RATIO,
     FITTED,
     PAPER_CUTOFF,
     Constants,
@@ -22,11 +21,10 @@ from skincad.circuit import (
     decibels,
     gain,
     load_circuit,
-    paper_target,
 )
 from skincad.circuit.calibrate import Calibration, _between, calibrate
 from skincad.circuit.response import fit_slopes
-from tests.circuit.paper import exact_response
+from tests.circuit.paper import exact_response, paper_target
 from tests.refusals import refused
 
 F = np.geomspace(10.0, 20_000.0, 400)
@@ -88,7 +86,7 @@ def test_too_few_points_are_told_and_the_same_seed_gives_the_same_answer() -> No
     with refused("at least 20"):
         fit_slopes(F[:10], F[:10], 10.0, 8000.0)
     with refused("at least 10"):
-        calibrate(np.array([10.0, 20.0]), np.array([1.0, 2.0]), largest_ratio=ANY_RATIO)
+        calibrate(np.array([10.0, 20.0]), np.array([1.0, 2.0]))
     target = paper_target()
     assert calibrate(*target, starts=4) == calibrate(*target, starts=4)
 
@@ -190,9 +188,9 @@ def test_with_a_films_own_coupling_the_network_stays_at_20_db_a_decade() -> None
     """Static over motional capacitance as a PVDF film has it: no better than a straight line."""
     frequency, gain = paper_target()
     straight = 20 * np.log10(frequency) - gain
-    calibration = calibrate(frequency, gain, largest_ratio=FILM_RATIO)
-    assert calibration.rms == pytest.approx(float(np.std(straight)), abs=0.05)
-    assert calibration.rms > 9.0
+    rms, _ = nearest(*READINGS["network, film"])
+    assert rms == pytest.approx(float(np.std(straight)), abs=0.05)
+    assert rms > 9.0
 
 
 @pytest.mark.slow

@@ -24,12 +24,12 @@ from skincad.circuit import (
     gain,
     load_circuit,
     netlist,
-    paper_target,
     told_rig,
     without_rig,
 )
 from skincad.circuit.calibrate import calibrate
 from skincad.inputs import retyped, template_names
+from tests.circuit.paper import paper_target
 from tests.conftest import run_skincad
 from tests.refusals import refused_by, refused_command
 

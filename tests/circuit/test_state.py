@@ -29,7 +29,7 @@ from skincad.inputs import template_names
 from tests.circuit.networks import element_lines, needs_ngspice, output, random_sets, vectors
 from tests.refusals import refused_by
 
-PAPER = "yamada-2002"  # behind a small R1 + R2 the parts of its output nearly cancel
+PAPER = "yamada-2002"
 NAMES = template_names("circuits")
 
 
@@ -122,7 +122,8 @@ def test_steps_are_exact_in_pieces_too_and_nothing_comes_at_rest(c: Network) -> 
 
 
 def test_one_sample_at_a_time_as_at_once(c: Network) -> None:
-    """To rounding, of the states' parts of the output: those of PAPER are 470 times what they add up to."""
+    """To rounding: the states' parts of the output do not cancel, though PAPER's small R1 + R2 would let the
+    capacitors' voltages."""
     s, charge = stepper(c, 1e5), pulse(np.arange(50) * 1e-5, c)
     whole, end = run(s, charge)
     (first,), state = run(s, charge[:1])
@@ -130,12 +131,8 @@ def test_one_sample_at_a_time_as_at_once(c: Network) -> None:
     for pair in pairwise(charge.tolist()):
         values, state = run(s, np.array(pair), state)
         seen.append(values[1])
-    parts = np.abs(s.out * end).sum()
-    cancels = c == circuit_network(load_circuit(PAPER))
-    if cancels:
-        assert 400 < parts / abs(whole[-1]) < 500
-    within = 1e-15 * parts if cancels else 1e-14 * np.abs(whole).max()
-    np.testing.assert_allclose(seen, whole, rtol=0, atol=within)
+    assert np.abs(s.out * end).sum() < 10 * abs(whole[-1])
+    np.testing.assert_allclose(seen, whole, rtol=0, atol=1e-14 * np.abs(whole).max())
 
 
 @pytest.mark.parametrize("rate", [10.0, 650.0, 1e5, 1e8])
@@ -150,9 +147,10 @@ def test_stiff_constants_stay_stable_at_any_step(rate: float) -> None:
 
 
 def test_what_no_double_can_hold_and_a_bad_rate_or_charge_are_refused() -> None:
-    c = replace(constants(load_circuit("yamada-2002")), input_capacitance=1e-300)
-    with pytest.raises(RefusedError, match="too long"):
-        stepper(network(c), 1e5)
+    c = constants(load_circuit("yamada-2002"))
+    for capacitance, words in ((1e-200, "too long"), (1e-300, "too far apart")):
+        with pytest.raises(RefusedError, match=words):
+            stepper(network(replace(c, input_capacitance=capacitance)), 1e5)
     paper = circuit_network(load_circuit(PAPER))
     for rate in (0.0, -1.0, np.nan, np.inf):
         with refused_by("rate: must be above 0 Hz"):

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 import skincad
-from skincad.base import Array
 from skincad.live import Page, free_port, session, words
 from tests.live.browser import Looking, looking
 
@@ -141,55 +140,31 @@ def test_a_refused_value_waits_and_files_are_those_of_make(
     assert "Traceback" not in capfd.readouterr().err
 
 
-def on_screen(page: Page, seen: Looking, point: Array) -> tuple[float, float]:
-    """Where the browser's camera shows a point, px."""
-    (client,) = page.server.get_clients().values()
-    camera = client.camera
-    ahead = camera.look_at - camera.position
-    ahead /= np.linalg.norm(ahead)
-    right = np.cross(ahead, camera.up_direction)
-    right /= np.linalg.norm(right)
-    away, half = point - camera.position, np.tan(camera.fov / 2)
-    depth = float(away @ ahead) * half
-    box = seen.page.locator("canvas").first.bounding_box()
-    assert box is not None
-    x = 0.5 + 0.5 * float(away @ right) / (depth * box["width"] / box["height"])
-    y = 0.5 - 0.5 * float(away @ np.cross(right, ahead)) / depth
-    return box["x"] + x * box["width"], box["y"] + y * box["height"]
-
-
-def drag_down(page: Page, seen: Looking, point: Array) -> None:
-    """Take what is at a point with the mouse, and drag it down."""
-    x, y = on_screen(page, seen, point)
-    seen.page.mouse.move(x, y)
-    seen.page.mouse.down()
-    for step in range(1, 9):
-        seen.page.mouse.move(x - step, y + 4 * step)
-        seen.page.wait_for_timeout(60)
-    seen.page.mouse.up()
-
-
-# A drag is several changes where the browser draws slower than the mouse moves.
-CHANGED = re.compile(r": \d+ changes?")
-
-
-def test_a_scenes_history_is_drawn_by_hand(capfd: pytest.CaptureFixture[str]) -> None:
-    """A point of the board is dragged down with the mouse: its force falls, and the signals follow."""
+def test_a_scenes_history_and_signals_are_plots_that_follow(capfd: pytest.CaptureFixture[str]) -> None:
+    """A force is written beside its slider, then a point added and one removed: both plots follow."""
     scene = skincad.load_scene(
         "yamada-2002-press-and-pull", ["readout.ridges=[3]", "history.steps=12"], skin="steep-fingertip"
     )
     with served(scene, "yamada-2002-press-and-pull") as (page, address), looking(address) as (seen,):
         assert page.desk.wait_until_settled(LONG)
-        assert page.desk.is_current(page.desk.answers.signals)
+        assert page.desk.is_current(page.desk.signals)
+        charts = seen.page.locator(".uplot")
+        charts.nth(1).wait_for()
+        for place, words in enumerate(("normal force, N", "ridge 3, MPa")):
+            assert words in charts.nth(place).inner_text()
         last = len(scene.history.time_s)
-        before = scene.history.normal_force_N[-1]
-        drag_down(page, seen, page._drawn._handles["normal_force_N", last - 1].position)
-        seen.page.get_by_text(CHANGED).first.wait_for()
-        assert page.desk.session.subject.history.normal_force_N[-1] < before
+        seen.write(f"normal force {last}, N", "3.5")
+        seen.wait_for("1 change")
+        assert page.desk.session.subject.history.normal_force_N[-1] == 3.5
+        assert page._plots["history"].data[1][-1] == 3.5
         assert page.desk.wait_until_settled(LONG)
-        assert page.desk.is_current(page.desk.answers.signals)
-        changes = len(page.desk.session.past)
-        seen.press("Add a point")
-        seen.wait_for(f"{changes + 1} changes")
-        assert len(page.desk.session.subject.history.time_s) == last + 1
+        assert page.desk.is_current(page.desk.signals)
+        assert np.array_equal(page._plots["S1 - S2"].data[1], page.desk.signals.what.stress[3])
+        for button, changes, count in (("Add a point", 2, last + 1), ("Remove the last", 3, last)):
+            seen.press(button)
+            seen.wait_for(f"{changes} changes")
+            assert len(page.desk.session.subject.history.time_s) == count
+            assert page._plots["history"].data[0].size == count
+        assert only_here(seen)
+        assert not seen.complaints
     assert "Traceback" not in capfd.readouterr().err

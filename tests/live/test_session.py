@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 import skincad
 from skincad.base import InputError, Table
-from skincad.live import apply_moves, controls, start_session
+from skincad.live import apply_moves, controls, plots, start_session
 from skincad.live import session as steps
 from skincad.shape import section
 
@@ -111,6 +113,33 @@ def test_a_scene_moves_with_its_skin_and_its_history() -> None:
     backwards = apply_moves(after, {"history.time_s.3": 0.0005}, 2.0)
     assert backwards.refusal is not None
     assert "must not go back" in str(backwards.refusal)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_scenes_history_is_a_plot_and_takes_a_point_more_or_less(name: str) -> None:
+    """Each given curve on its unit's axis, in one length; what is added lies on the curve."""
+    scene = loaded(name)
+    plot = plots.history_plot(scene.history)
+    assert len(plot["data"]) == len(plot["series"]) == len(plots.lists(scene.history))
+    assert {len(row) for row in plot["data"]} == {len(scene.history.time_s)}
+    units = {curve["scale"] for curve in plot["series"][1:]}
+    assert units == {axis["scale"] for axis in plot["axes"][1:]} <= {"N", "mm", "deg"}
+    longer = apply_moves(start_session(scene), plots.with_point(scene.history), 0.0)
+    assert longer.refusal is None
+    shorter = apply_moves(longer, plots.without_point(longer.subject.history), 2.0)
+    times = scene.history.time_s
+    assert len(longer.subject.history.time_s) == len(times) + 1
+    if shorter.refusal is None:
+        assert len(shorter.subject.history.time_s) == len(times)
+    (time, *curves), before = plots.history_plot(longer.subject.history)["data"], plot["data"]
+    for curve, known in zip(curves, before[1:], strict=True):
+        assert curve == pytest.approx(np.interp(time, before[0], known), rel=1e-5, abs=1e-9)
+
+
+def test_a_history_keeps_two_points() -> None:
+    history = SimpleNamespace(**dict.fromkeys(plots.CURVES), time_s=[0.0, 1.0])
+    history.normal_force_N = [0.0, 4.0]
+    assert plots.without_point(history) == {}
 
 
 def moved(subject: Any, dice: random.Random, moves: int) -> int:

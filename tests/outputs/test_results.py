@@ -16,7 +16,7 @@ import pytest
 
 import skincad
 from skincad.base import LONGEST_REPR, InputError, RefusedError, Result, files_below
-from skincad.outputs import accuracy_names, makes, simulations
+from skincad.outputs import ACCURACY_FILES, makes, simulations
 from skincad.scenes import LEVELS, at_level
 from skincad.studies.accuracy import circuit
 from tests.base.test_portable import FILMED
@@ -162,7 +162,7 @@ def test_what_will_be_written_is_known_before(results: Results) -> None:
     assert makes.names(one_ridge()) == list(results["make"].files())
     assert simulations.gain_names(measured=False) == list(results["gain"].files())
     assert set(simulations.names(results["simulate"].scene)) == set(results["simulate"].files())
-    assert accuracy_names(["circuit"]) == list(results["accuracy"].files())
+    assert list(ACCURACY_FILES) == list(results["accuracy"].files())
 
 
 def test_formats_choose_and_are_told(results: Results, tmp_path: Path) -> None:

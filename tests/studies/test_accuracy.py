@@ -8,67 +8,30 @@ import platform
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
+from bench import holds
 from skincad import load
-from skincad.base import InputError, Progress, replaced
+from skincad.base import InputError, replaced
 from skincad.effects import EFFECTS
 from skincad.inputs import Design
 from skincad.mechanics import MODELS, Layers
 from skincad.mechanics.models import solid
-from skincad.outputs import LADDER_SIZE, STYLES, diagram, save
-from skincad.studies import LADDERS, ErrorMeasure, Ladder, Measurement, ladder_of, slope
-from skincad.studies.accuracy.ladder import PRIOR, Countdown, timed
+from skincad.outputs import LADDER_SIZE, STYLES, accuracy_figure, save
+from skincad.studies import ErrorMeasure, Ladder, Measurement, slope
+from skincad.studies.accuracy import accuracy, circuit, contact, effects, slip, tessellation
+from skincad.studies.accuracy.accuracy import Accuracy
+from skincad.studies.accuracy.ladder import timed
 from tests.conftest import run_skincad
 from tests.refusals import refused_command
 from tests.shared_pads import shared_pads  # noqa: F401  # a fixture that all tests of this file use
 
-circuit, contact, effects, slip, tessellation = map(
-    ladder_of, ("circuit", "contact", "effects", "slip", "tessellation")
-)
 CONTACT = pytest.mark.evidence(subject="ladders: contact")
-PRICES = {"a": 10.0, "b": 20.0, "c": 5.0}
-
-
-class Clock:
-    """A clock that is set by hand, and what the countdown told at each time."""
-
-    def __init__(self) -> None:
-        self.now = 0.0
-        self.told: list[tuple[str, float | None]] = []
-        self.countdown = Countdown(PRICES, self.tell, lambda: self.now)
-
-    def tell(self, stage: str, left: float | None = None, /) -> None:
-        self.told.append((stage, left))
-
-    def at(self, now: float, stage: str) -> float | None:
-        self.now = now
-        self.countdown(stage)
-        return self.told[-1][1]
-
-
-def test_a_countdown_goes_by_prices_and_what_was_spent_of_them() -> None:
-    assert Clock().at(0.0, "a") == pytest.approx(35.0)
-    # a machine twice as slow takes twice as long
-    clock = Clock()
-    clock.at(0.0, "a")
-    slower = (PRIOR + 20.0) / (PRIOR + 10.0)
-    assert clock.at(20.0, "b") == pytest.approx(slower * 25.0)
-    both = (PRIOR + 60.0) / (PRIOR + 30.0)
-    assert clock.at(60.0, "c") == pytest.approx(both * 5.0)
-    # a stage that is left out is passed over
-    clock = Clock()
-    clock.at(0.0, "a")
-    assert clock.at(10.0, "c") == pytest.approx(5.0)
-    # one that is not known says no time
-    clock = Clock()
-    clock.at(0.0, "a")
-    assert clock.at(10.0, "x") is None
-    assert clock.at(1000.0, "b") == pytest.approx(25.0)  # what the unknown one took says nothing
 
 
 ALL = ErrorMeasure("all", "error", "1", "the truth", "")
@@ -106,7 +69,6 @@ def test_a_law_of_time_is_found_with_its_exponent_and_scatter() -> None:
     sizes = [1000, 5000, 20000]
     law = laws(sizes, [2e-6 * n**1.3 for n in sizes])["a"]
     assert (law.factor, law.exponent) == pytest.approx((2e-6, 1.3))
-    assert law.seconds(1e4) == pytest.approx(2e-6 * 1e4**1.3)
     assert law.scatter == pytest.approx(1.0)
     assert laws([1000, 1000, 1000], [1.0, 2.0, 3.0]) == {}  # one size
     assert laws([1000, 2000], [1.0, 1.0]) == {}  # two
@@ -168,13 +130,8 @@ def plain(small: Design) -> Design:
     return small.with_(slot=None, film=None, contact={"film": None})
 
 
-def teller(told: list[str]) -> Progress:
-    """A Progress that keeps the stages."""
-
-    def tell(stage: str, left: float | None = None, /) -> None:
-        told.append(stage)
-
-    return tell
+def silent(_stage: str) -> None:
+    """Nobody hears the stages."""
 
 
 def errors(found: Ladder, model: str, measure: str) -> list[float]:
@@ -193,28 +150,47 @@ def assert_whole(found: Ladder) -> None:
     assert {row["model"] for row in found.rows() if row["error"] is not None}
 
 
-@pytest.mark.parametrize("name", LADDERS)
-def test_every_ladder_of_the_table_has_its_prices(name: str, small: Design, plain: Design) -> None:
-    for design in (small, plain):
-        once, thrice = (ladder_of(name).prices(design, repeats) for repeats in (1, 3))
-        assert all(stage.startswith(f"{name}: ") for stage in once)
-        assert all(0 < once[stage] <= thrice[stage] for stage in once)
-    assert callable(ladder_of(name).ladder)
+def test_the_time_left_goes_by_ladders_and_by_what_the_last_ones_took(
+    small: Design, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of three ridges 10 s are expected of one ladder, and 20 of the other."""
+    now = [0.0]
+    prices = {"slip": (30.0, 0.0), "effects": (45.0, 15.0)}  # of nine ridges; three take a third of it
+    took = {"slip": 20.0, "effects": 10.0}
+
+    def worker(name: str) -> Any:
+        def ladder(_design: Design, _repeats: int, tell: Any) -> Ladder:
+            for stage in ("a", "b"):
+                tell(stage)
+                now[0] += took[name] / 2
+            return Ladder(name, name, (), (ALL,))
+
+        return SimpleNamespace(ladder=ladder)
+
+    rows: list[tuple[str, float | None]] = []
+    monkeypatch.setattr(accuracy, "LADDERS", prices)
+    monkeypatch.setattr(accuracy, "perf_counter", lambda: now[0])
+    monkeypatch.setattr(accuracy, "import_module", lambda name: worker(name.rpartition(".")[2]))
+    answer = accuracy.accuracy(small, repeats=1, progress=lambda stage, left=None: rows.append((stage, left)))
+    # a machine twice as slow takes twice as long
+    slower = (accuracy.PRIOR + 20.0) / (accuracy.PRIOR + 10.0)
+    assert rows == [
+        ("slip: a", pytest.approx(30.0)), ("slip: b", pytest.approx(20.0)),
+        ("effects: a", pytest.approx(slower * 20.0)), ("effects: b", pytest.approx(slower * 20.0 - 5.0)),
+    ]  # fmt: skip
+    assert [ladder.name for ladder in answer.ladders] == list(prices)
+    assert answer.seconds == 30.0
 
 
-def test_an_unknown_ladder_is_refused_and_a_reference_is_run_once(small: Design) -> None:
+def test_an_unknown_ladder_is_refused_and_every_model_is_tried(small: Design) -> None:
     with pytest.raises(InputError, match="ladders: unknown ladder, got 'contcat'; did you mean 'contact'"):
-        ladder_of("contcat")
+        accuracy.accuracy(small, ["contcat"])
     assert sorted(contact.ORDER) == sorted(MODELS)
-    once, thrice = (slip.prices(small, repeats) for repeats in (1, 3))
-    assert all(seconds > 0 for seconds in once.values())
-    references = {slip.stage_name(settings[-1][0]) for settings in slip.settings_by_model().values()}
-    assert {stage for stage in once if thrice[stage] == once[stage]} >= references
 
 
 @pytest.fixture(scope="module")
 def sampled(small: Design) -> Ladder:
-    return circuit.ladder(small, 1, None)
+    return holds.holds(small, 1)
 
 
 @pytest.mark.slow
@@ -222,25 +198,24 @@ def test_holds_converge_at_their_orders_the_first_order_one_is_exact_for_a_kink(
     """Zero-order hold 1, the others 2: from 256 to 4096 samples, where higher terms are a few per cent."""
     assert_whole(sampled)
     finer = np.log(circuit.PER_PERIOD[-1] / circuit.PER_PERIOD[-3])
-    for hold, order in zip(circuit.HOLDS, (2.0, 1.0, 2.0), strict=True):
+    own = "first-order hold"
+    for hold, order in zip((own, *holds.HOLDS), (2.0, 1.0, 2.0), strict=True):
         output = errors(sampled, hold, "output")
         assert np.log(output[-3] / output[-1]) / finer == pytest.approx(order, abs=0.05)
     # Straight between samples, so only rounding of up to 40 000 steps is left; the others need the rate
-    assert max(errors(sampled, circuit.HOLDS[0], "kink")) < 1e-8
-    for hold in circuit.HOLDS[1:]:
+    assert max(errors(sampled, own, "kink")) < 1e-8
+    for hold in holds.HOLDS:
         kink = errors(sampled, hold, "kink")
         assert all(b < a for a, b in pairwise(kink))
         assert kink[-1] > 1e-6
 
 
 def test_meshes_keep_their_chord(small: Design, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tessellation, "CHORDS", dict.fromkeys((3e-2, 3e-3, 3e-4), 0.1))
-    rows: list[str] = []
-    answer = tessellation.ladder(small, 1, teller(rows))
-    assert rows == list(tessellation.prices(small, 1))
+    monkeypatch.setattr(tessellation, "CHORDS", (3e-2, 3e-3, 3e-4))
+    answer = holds.kernel_meshes(small, 1)
     assert_whole(answer)
     chords = [share * small.ridge.height for share in (3e-2, 3e-3, 3e-4)]
-    for model in (tessellation.MANIFOLD, tessellation.KERNEL):
+    for model in ("manifold3d", holds.KERNEL):
         deviation, volume = errors(answer, model, "deviation"), errors(answer, model, "volume")
         # a tenth is the reference's own error, added to all
         assert all(d <= 1.1 * chord * (1 + 1e-9) for d, chord in zip(deviation, chords, strict=True))
@@ -277,10 +252,7 @@ def test_levels_are_each_another_and_the_last_is_the_finest(model: str) -> None:
 def pressed(plain: Design) -> Ladder:
     with pytest.MonkeyPatch.context() as patch:
         small_ladders(patch)
-        rows: list[str] = []
-        answer = contact.ladder(plain, 1, teller(rows))
-        assert rows == list(contact.prices(plain, 1))
-        return answer
+        return contact.ladder(plain, 1, silent)
 
 
 @CONTACT
@@ -313,7 +285,7 @@ def test_every_model_is_on_the_contact_ladder_and_errs_less_by_finer_meshes(pres
 def test_what_cannot_judge_a_design_is_skipped(plain: Design, monkeypatch: pytest.MonkeyPatch) -> None:
     small_ladders(monkeypatch)
     curved = plain.with_(skin={"curvature_radius_y": 40.0})
-    answer = contact.ladder(curved, 1, None)
+    answer = contact.ladder(curved, 1, silent)
     assert {trial.model for trial in answer.trials} == {"winkler", "solid", "solid-finite-strain"}
     assert set(answer.skipped) >= {"linear", "corrected", "finite-strain"}
     assert all("curvature_radius_y" in why for why in answer.skipped.values())
@@ -323,10 +295,7 @@ def test_what_cannot_judge_a_design_is_skipped(plain: Design, monkeypatch: pytes
 def slipped(small: Design) -> Ladder:
     with pytest.MonkeyPatch.context() as patch:
         small_ladders(patch)
-        rows: list[str] = []
-        answer = slip.ladder(small, 1, teller(rows))
-        assert rows == list(slip.prices(small, 1))
-        return answer
+        return slip.ladder(small, 1, silent)
 
 
 @pytest.mark.slow
@@ -340,7 +309,7 @@ def test_more_steps_find_the_signal(slipped: Ladder) -> None:
 @pytest.mark.evidence(subject="ladders: slip")
 def test_a_skin_without_slots_slips_by_its_travel(plain: Design, monkeypatch: pytest.MonkeyPatch) -> None:
     small_ladders(monkeypatch)
-    answer = slip.ladder(plain, 1, None)
+    answer = slip.ladder(plain, 1, silent)
     assert not answer.skipped
     assert "travel" in answer.measures[0].what
 
@@ -358,7 +327,7 @@ def test_every_effect_is_tried_or_skipped(
 ) -> None:
     small_ladders(monkeypatch)
     monkeypatch.setattr(effects, "EFFECTS", {name: EFFECTS[name] for name in named})
-    answer = effects.ladder(small, 1, None)
+    answer = effects.ladder(small, 1, silent)
     names = {trial.model for trial in answer.trials}
     assert names | set(answer.skipped) == {*named, effects.LAW}
     assert {"friction", "film"} <= names
@@ -386,16 +355,16 @@ def test_json_files_and_manifest_beside_another_jobs(tmp_path: Path, monkeypatch
     assert data["reference"]
     assert done.stderr == ""
     assert (folder / "skin.step").read_text() == "solid"
-    assert {Path(file["path"]).name for file in data["files"]} == {"accuracy.csv", "accuracy-circuit.png"}
+    assert {Path(file["path"]).name for file in data["files"]} == {"accuracy.csv", "accuracy.png"}
     new = {path.name for path in folder.iterdir()} - before
-    assert new == {"accuracy.csv", "accuracy-circuit.png", "accuracy.json"}
+    assert new == {"accuracy.csv", "accuracy.png", "accuracy.json"}
     assert not platform.node() or platform.node() not in json.dumps(data["machine"])
     assert data["machine"]["cores"] >= 1
     rows = list(csv.DictReader((folder / "accuracy.csv").open()))
     assert [row["setting"] for row in rows] == [row["setting"] for row in data["rows"]]
     first = float(rows[0]["circuit: output"])
     assert first == pytest.approx(data["rows"][0]["error"], rel=1e-3)  # four digits
-    with Image.open(folder / "accuracy-circuit.png") as picture:
+    with Image.open(folder / "accuracy.png") as picture:
         assert picture.size == (round(100 * LADDER_SIZE[0]), round(100 * LADDER_SIZE[1]))
 
 
@@ -421,7 +390,9 @@ def test_a_diagram_in_grey_shows_every_trial(tmp_path: Path) -> None:
     ink = []
     for name, these in (("none", ()), ("one", trials), ("two", trials + other)):
         path = tmp_path / f"{name}.png"
-        save(diagram(Ladder("x", "x", these, (measure,)), {"processor": "x", "cores": 2}), path)
+        ladders, where = (Ladder("x", "x", these, (measure,)),), {"processor": "x", "cores": 2}
+        drawn = Accuracy(name="x", ladders=ladders, machine=where, repeats=2, seconds=1.0)
+        save(accuracy_figure(drawn), path)
         with Image.open(path) as picture:
             ink.append(int((np.asarray(picture.convert("L")) < 160).sum()))
     assert ink[0] < ink[1] < ink[2]

@@ -164,11 +164,9 @@ def gain_figure(circuit_gain: CircuitGain) -> Picture:
     """
     title, labels = f"{circuit_gain.name}: gain of film and amplifier", ("frequency, Hz", "gain, dB re 1 V/N")
     with chart(GAIN_SIZE, title, 2, xlabel=labels[0], ylabel=labels[1]) as (figure, axes):
-        if circuit_gain.measured:
-            measurement = circuit_gain.measured
-            shifted = measurement.gain - measurement.calibration.offset
-            label = f"measured, {-measurement.calibration.offset:+.4g} dB"
-            axes.semilogx(measurement.frequency, shifted, ".", color=BLACK, markersize=4, label=label)
+        if (measured := circuit_gain.measured) and (calibration := circuit_gain.calibration):
+            shifted, label = measured.gain - calibration.offset, f"measured, {-calibration.offset:+.4g} dB"
+            axes.semilogx(measured.frequency, shifted, ".", color=BLACK, markersize=4, label=label)
         name = "network and rig, by the measured load" if circuit_gain.own else "network"
         axes.semilogx(circuit_gain.frequency, circuit_gain.gain, color=BLUE, linewidth=1.6, label=name)
         if circuit_gain.own:

@@ -1,6 +1,6 @@
-"""Figures of studies: a result against what is varied, and a ladder's error against time, both logarithmic.
+"""Figures of studies: a result against what is varied, and the ladders' error against time, both logarithmic.
 
-The ladder's is read in grey too: methods differ by marker and by dashes; trials that no other beats are
+The ladders are read in grey too: methods differ by marker and by dashes; trials that no other beats are
 filled.
 """
 
@@ -39,6 +39,7 @@ from skincad.outputs.figures.canvas import (
     chart,
     sheet,
 )
+from skincad.studies.accuracy.accuracy import Accuracy
 from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, slope
 from skincad.studies.query import Evaluation
 from skincad.studies.solving import Solution
@@ -53,7 +54,7 @@ MAX_KEYS = 6  # that are drawn
 LOG_RATIO = 100.0  # the ratio of a result's ends from which on its axis is logarithmic
 MAX_LOG_RATIO = 1e6  # beyond it the smallest is rounding
 PANELS = 2  # measures that are drawn: the first with two errors to show
-LADDER_SIZE = (9.0, 4.9)  # 900 pixels wide, as the README shows it
+LADDER_SIZE = (9.0, 4.9)  # inches, of a ladder's row
 # trials above the reference's own error, and the ratio of the longest of their times to the shortest
 LEAST_FOR_SLOPE, SPREAD_FOR_SLOPE = 3, 2.0
 MIN_AXIS_RATIO = 12.0  # an axis has at least this ratio between its ends
@@ -283,25 +284,33 @@ def _label(knob: DesignVariable) -> str:
     return knob.key if named else f"{knob.key}, {knob.unit or 1}"
 
 
-def diagram(ladder: Ladder, machine: dict[str, Any]) -> Picture:
-    """Return a figure of the ladder's first measures; without anything to draw, one that says so."""
+def accuracy_figure(accuracy: Accuracy) -> Picture:
+    """Return a figure of the first measures of each ladder, a row each."""
+    width, height = LADDER_SIZE
+    with sheet((width, height * len(accuracy.ladders)), 255) as figure:
+        for part, ladder in zip(
+            figure.subfigures(len(accuracy.ladders), 1, squeeze=False)[:, 0], accuracy.ladders, strict=True
+        ):
+            _draw_ladder(part, ladder, f"{accuracy.machine['processor']}, {accuracy.machine['cores']} cores")
+    return figure
+
+
+def _draw_ladder(figure: Any, ladder: Ladder, where: str) -> None:
+    """A ladder's first measures; without anything to draw, words that say so."""
     measures = [m for m in ladder.measures if len({r.errors[m.name] for r in _drawable(ladder, m)}) > 1]
     measures = measures[:PANELS]
-    with sheet(LADDER_SIZE, 255) as figure:
-        figure.suptitle(ladder.title)
-        places = figure.subplots(1, max(1, len(measures)), squeeze=False)[0]
-        models = list(dict.fromkeys(point.model for point in ladder.trials))
-        style = {model: STYLES[i % len(STYLES)] for i, model in enumerate(models)}
-        for axes, measure in zip(places, measures, strict=False):
-            _ladder_panel(axes, ladder, measure, style)
-        if not measures:
-            places[0].text(0.5, 0.5, "no trial can be judged on this design", ha="center")
-            places[0].set_axis_off()
-        filled = "; filled: none is both faster and more exact" if ladder.lines and measures else ""
-        where = f"{machine['processor']}, {machine['cores']} cores; medians"
-        words = f"{where}, bars from the shortest to the longest run{filled}"
-        figure.supxlabel(words, fontsize=SMALL, color=FRAME)
-    return figure
+    figure.suptitle(ladder.title)
+    places = figure.subplots(1, max(1, len(measures)), squeeze=False)[0]
+    models = list(dict.fromkeys(point.model for point in ladder.trials))
+    style = {model: STYLES[i % len(STYLES)] for i, model in enumerate(models)}
+    for axes, measure in zip(places, measures, strict=False):
+        _ladder_panel(axes, ladder, measure, style)
+    if not measures:
+        places[0].text(0.5, 0.5, "no trial can be judged on this design", ha="center")
+        places[0].set_axis_off()
+    filled = "; filled: none is both faster and more exact" if ladder.lines and measures else ""
+    words = f"{where}; medians, bars from the shortest to the longest run{filled}"
+    figure.supxlabel(words, fontsize=SMALL, color=FRAME)
 
 
 def _drawable(ladder: Ladder, measure: ErrorMeasure) -> list[Measurement]:

@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from importlib import import_module
 from time import perf_counter
 from typing import Any
 
-from skincad.base.errors import require_number
+from skincad.base.errors import InputError, did_you_mean, require_number
 from skincad.base.machine import machine
 from skincad.base.progress import Progress
 from skincad.base.result import Result, columns_of, item, record, reported
 from skincad.inputs.design import Design
-from skincad.studies.accuracy.ladder import LADDERS, Countdown, Ladder, ladder_of
+from skincad.shape.skin import skin_of
+from skincad.studies.accuracy.ladder import Ladder
 
+# each a module beside this one; s that it takes on a skin of RIDGES: once, and for each repeat; measured
+LADDERS = {
+    "tessellation": (5.0, 0.0),
+    "contact": (42.0, 10.0),
+    "circuit": (0.1, 0.1),
+    "slip": (40.0, 8.5),
+    "effects": (125.0, 0.0),
+}
+RIDGES = 9
+PRIOR = 2.0  # s that were as expected before anything is measured: one short ladder says little of a machine
 MOST_REPEATS = 100
 
 
@@ -61,12 +74,27 @@ def accuracy(
     """
     rule = f"must be from 1 to {MOST_REPEATS}"
     require_number("repeats", repeats, lambda value: 1 <= value <= MOST_REPEATS, rule)
-    began = perf_counter()
-    modules = [ladder_of(name) for name in dict.fromkeys(ladders or LADDERS)]
-    if progress:
-        prices = {stage: s for module in modules for stage, s in module.prices(design, repeats).items()}
-        progress = Countdown(prices, progress)
-    results = tuple(module.ladder(design, repeats, progress) for module in modules)
+    names = list(dict.fromkeys(ladders or LADDERS))
+    for name in names:
+        if name not in LADDERS:
+            raise InputError("ladders", "unknown ladder", name, did_you_mean(name, LADDERS))
+    began, results = perf_counter(), list[Ladder]()
+    modules = [import_module(f"skincad.studies.accuracy.{name}") for name in names]
+    size = skin_of(design).count / RIDGES
+    prices = [size * (once + repeats * again) for once, again in map(LADDERS.__getitem__, names)]
+    since = [perf_counter()]  # at which each ladder began
+
+    def tell(stage: str) -> None:
+        """Say what is done, and the s to the end of all: slower or faster than expected, as it was so far."""
+        done, prices_left = math.fsum(prices[: len(results)]), math.fsum(prices[len(results) :])
+        left = (PRIOR + since[-1] - since[0]) / (PRIOR + done) * prices_left - (perf_counter() - since[-1])
+        if progress:
+            progress(f"{names[len(results)]}: {stage}", max(left, 0.0))
+
+    for module in modules:
+        results.append(module.ladder(design, repeats, tell))
+        since.append(perf_counter())
+    seconds = perf_counter() - began
     return Accuracy(
-        name=design.name, ladders=results, machine=machine(), repeats=repeats, seconds=perf_counter() - began
+        name=design.name, ladders=tuple(results), machine=machine(), repeats=repeats, seconds=seconds
     )

@@ -8,10 +8,10 @@ joins them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 
 from skincad.base.errors import InputError, RefusedError
-from skincad.base.progress import Progress
 from skincad.effects import EFFECTS, effect
 from skincad.effects.kinds import Reader
 from skincad.inputs.design import Design
@@ -19,20 +19,17 @@ from skincad.scenes.march import LEVELS
 from skincad.scenes.scene import LAW
 from skincad.scenes.simulation import Simulation
 from skincad.shape.skin import skin_of
-from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, repeated, timed
-from skincad.studies.accuracy.slip import apart, marched, of_size, scene_on
+from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, timed
+from skincad.studies.accuracy.slip import apart, marched, scene_on
 
 STEPS, FEWER = 550, {"finite_strain": 55}  # of the march; where a step is expensive, fewer
 SLIPPERY = {"finite_strain": 0.3}  # coefficient of friction, both with and without: at 1 the surface folds
 MOST = 120.0  # s a march
 BESIDE = {"inertia": ("plate.mass=0.1",)}  # what naming one asks for; g, assumption: a light plate
-# s of a march of yamada-2002 without any and with those that take longer; measured
-PLAIN = 1.7
-SECONDS = {"finite_strain": 60.0, "free_ends": 8.0, "inertia": 20.0, "viscosity": 20.0}
 TimedSimulation = tuple[Simulation, tuple[float, ...]]
 
 
-def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
+def ladder(design: Design, repeats: int, tell: Callable[[str], None]) -> Ladder:
     """Return two trials an effect: the scene with it, and without it with the error that this makes."""
 
     @cache
@@ -42,12 +39,13 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
 
     trials: list[Measurement] = []
     skipped = {LAW: "the law of every scene that names none: it can be replaced, not left out"}
-    skipped |= {n: "a readout: it changes none of the signals" for n in EFFECTS if _reads(n)}
+    skipped |= {
+        n: "a readout: it changes none of the signals" for n in EFFECTS if issubclass(effect(n), Reader)
+    }
     for name in EFFECTS:
         if name in skipped:
             continue
-        if progress:
-            progress(_stage(name))
+        tell(name)
         try:
             base = scene_on(design).effects
             table = "none" if name in base else "{}"
@@ -76,18 +74,3 @@ def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
     )
     title = f"effects in the slip of {design.name}"
     return Ladder("effects", title, tuple(trials), measures, lines=False, skipped=skipped)
-
-
-def prices(design: Design, repeats: int) -> dict[str, float]:
-    """Return the stages and their expected seconds."""
-    larger = of_size(design)
-    marches = {name: PLAIN + SECONDS.get(name, PLAIN) for name in EFFECTS if name != LAW and not _reads(name)}
-    return {_stage(name): repeated(larger * seconds, repeats) for name, seconds in marches.items()}
-
-
-def _stage(name: str) -> str:
-    return f"effects: {name}"
-
-
-def _reads(name: str) -> bool:
-    return issubclass(effect(name), Reader)

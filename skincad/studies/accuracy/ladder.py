@@ -4,58 +4,36 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from importlib import import_module
 from time import perf_counter
-from typing import Any, Protocol, TypeVar, cast
+from typing import Any, TypeVar
 
 import numpy as np
 
-from skincad.base.errors import InputError, did_you_mean
 from skincad.base.interrupt import safe_point
-from skincad.base.progress import Progress
-from skincad.inputs.design import Design
 
-PRIOR = 2.0  # s that were as expected before anything is measured: one short stage says little of a machine
-
-
-class Countdown:
-    """A Progress that adds to each stage the seconds left to the end of all.
-
-    `prices` are s by stage in the order in which they come; a stage that is left out is passed over, one that
-    is not known costs nothing. Expected times are scaled by those of the stages done.
-    """
-
-    def __init__(
-        self, prices: Mapping[str, float], progress: Progress, now: Callable[[], float] = perf_counter
-    ) -> None:
-        self._stages, self._prices = list(prices), list(prices.values())
-        self._progress, self._now = progress, now
-        self._at: int | None = None
-        self._began = self._spent = self._done = 0.0
-
-    def __call__(self, stage: str, left: float | None = None, /) -> None:
-        """Tell the stage and the seconds from its begin to the end of all."""
-        now = self._now()
-        if self._at is not None:
-            self._spent += now - self._began
-            self._done += self._prices[self._at]
-        self._at, self._began = (self._stages.index(stage) if stage in self._stages else None), now
-        if self._at is None:
-            self._progress(stage, left)
-            return
-        slower = (PRIOR + self._spent) / (PRIOR + self._done)
-        self._progress(stage, slower * math.fsum(self._prices[self._at :]))
+Value = TypeVar("Value")
+LONG = 2.0  # s; what takes longer is run once, or the whole would take a coffee break
+SHORT = 0.5  # s; what takes less is run once more before, for its first run fills caches
+MOST_DIGITS = 13  # beyond are rounding's
+FEWEST = 3  # sizes that a law of time is drawn through
 
 
-def front(seconds: Sequence[float], errors: Sequence[float]) -> list[int]:
-    """Return the indices, by time, of the points that no other beats in both time and error."""
-    indices: list[int] = []
-    for i in sorted(range(len(seconds)), key=lambda i: (seconds[i], errors[i])):
-        if not indices or errors[i] < errors[indices[-1]]:
-            indices.append(i)
-    return indices
+def timed(work: Callable[[], Value], repeats: int) -> tuple[Value, tuple[float, ...]]:
+    """Return what `work` gives and the wall time of each run, s; what takes longer than LONG runs once."""
+    runs: list[float] = []
+    warm = False
+    while True:
+        safe_point()
+        began = perf_counter()
+        result = work()
+        runs.append(perf_counter() - began)
+        if not warm and runs[0] < SHORT:
+            runs.clear()
+        elif len(runs) >= repeats or runs[0] > LONG:
+            return result, tuple(runs)
+        warm = True
 
 
 def slope(seconds: Sequence[float], errors: Sequence[float]) -> float | None:
@@ -68,44 +46,6 @@ def slope(seconds: Sequence[float], errors: Sequence[float]) -> float | None:
         return None
     x, y = np.log(np.array(points)).T
     return float(np.polyfit(x, y, 1)[0])
-
-
-@dataclass(frozen=True)
-class PowerLaw:
-    """seconds = factor x unknowns^exponent; `scatter` is the rms of the fit's ratio, 1 where it is exact."""
-
-    factor: float
-    exponent: float
-    scatter: float
-
-    def seconds(self, unknowns: float) -> float:
-        """Return the expected time, s."""
-        return float(self.factor * unknowns**self.exponent)
-
-
-def power_law(unknowns: Sequence[float], seconds: Sequence[float]) -> PowerLaw | None:
-    """Return the law through measured trials by least squares of the logarithms; None below two sizes."""
-    if len(set(unknowns)) < 2:
-        return None
-    x, y = np.log(np.array(unknowns, float)), np.log(np.array(seconds, float))
-    exponent, level = np.polyfit(x, y, 1)
-    off = y - (exponent * x + level)
-    return PowerLaw(float(np.exp(level)), float(exponent), float(np.exp(np.sqrt(np.mean(off**2)))))
-
-
-Value = TypeVar("Value")
-LONG = 2.0  # s; what takes longer is run once, or the whole would take a coffee break
-SHORT = 0.5  # s; what takes less is run once more before, for its first run fills caches
-MOST_DIGITS = 13  # beyond are rounding's
-FEWEST = 3  # sizes that a law of time is drawn through
-_ROOM = "skincad.studies.accuracy."
-LADDERS = {
-    "tessellation": f"{_ROOM}tessellation",
-    "contact": f"{_ROOM}contact",
-    "circuit": f"{_ROOM}circuit",
-    "slip": f"{_ROOM}slip",
-    "effects": f"{_ROOM}effects",
-}
 
 
 @dataclass(frozen=True)
@@ -152,10 +92,14 @@ class Measurement:
         """The median of the repeats, s."""
         return statistics.median(self.runs)
 
-    @property
-    def spread(self) -> float:
-        """The longest repeat less the shortest, s."""
-        return max(self.runs) - min(self.runs)
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """seconds = factor x unknowns^exponent; `scatter` is the rms of the fit's ratio, 1 where it is exact."""
+
+    factor: float
+    exponent: float
+    scatter: float
 
 
 @dataclass(frozen=True)
@@ -173,20 +117,16 @@ class Ladder:
     skipped: dict[str, str] = field(default_factory=dict)
 
     def best(self, measure: ErrorMeasure) -> list[Measurement]:
-        """Return the trials that no other beats in both time and this error: of all trials, or of its own
-        model where each aims at its own truth; none where no line joins them."""
-        judged = (
-            [measurement for measurement in self.trials if measure.name in measurement.errors]
-            if self.lines
-            else []
-        )
-        models = dict.fromkeys(measurement.model for measurement in judged)
-        groups = [judged] if measure.compares else [[r for r in judged if r.model == m] for m in models]
-        fastest: list[Measurement] = []
-        for group in groups:
-            errors = [measurement.errors[measure.name] for measurement in group]
-            fastest += [group[i] for i in front([measurement.seconds for measurement in group], errors)]
-        return fastest
+        """Return the trials, by time, that no other beats in both time and this error: of all trials, or of
+        its own model where each aims at its own truth; none where no line joins them."""
+        judged = [trial for trial in self.trials if measure.name in trial.errors and self.lines]
+        fastest: dict[str, list[Measurement]] = {}
+        for trial in sorted(judged, key=lambda trial: (trial.seconds, trial.errors[measure.name])):
+            group = fastest.setdefault("" if measure.compares else trial.model, [])
+            if not group or trial.errors[measure.name] < group[-1].errors[measure.name]:
+                group.append(trial)
+        order = [""] if measure.compares else dict.fromkeys(trial.model for trial in judged)
+        return [trial for model in order for trial in fastest.get(model, ())]
 
     def matched(self, measure: ErrorMeasure) -> dict[float, list[Measurement]]:
         """Return the cheapest trial of each model that reaches an error, by error, cheapest first.
@@ -199,25 +139,29 @@ class Ladder:
             return rows
         for error in (10.0**-n for n in range(1, MOST_DIGITS)):
             cheapest: dict[str, Measurement] = {}
-            for measurement in sorted(self.trials, key=lambda measurement: measurement.seconds):
-                if measurement.errors.get(measure.name, math.inf) <= error and error > measure.floor:
-                    cheapest.setdefault(measurement.model, measurement)
+            for trial in sorted(self.trials, key=lambda trial: trial.seconds):
+                if trial.errors.get(measure.name, math.inf) <= error and error > measure.floor:
+                    cheapest.setdefault(trial.model, trial)
             group = list(cheapest.values())
             if len(group) > 1 and group not in rows.values():
                 rows[error] = group
         return rows
 
     def laws(self) -> dict[str, PowerLaw]:
-        """Return time against unknowns by model, where it has three trials of different size."""
-        by_model = {}
-        for model in dict.fromkeys(measurement.model for measurement in self.trials) if self.lines else ():
-            mine = [measurement for measurement in self.trials if measurement.model == model]
-            law = power_law(
-                [measurement.unknowns for measurement in mine], [measurement.seconds for measurement in mine]
-            )
-            if law and len({measurement.unknowns for measurement in mine}) >= FEWEST:
-                by_model[model] = law
-        return by_model
+        """Return time against unknowns by model, where it has three trials of different size: least squares
+        of the logarithms."""
+        by_model: dict[str, list[tuple[int, float]]] = {}
+        for trial in self.trials if self.lines else ():
+            by_model.setdefault(trial.model, []).append((trial.unknowns, trial.seconds))
+        laws = {}
+        for model, points in by_model.items():
+            if len({unknowns for unknowns, _ in points}) >= FEWEST:
+                x, y = np.log(np.array(points, float)).T
+                exponent, level = np.polyfit(x, y, 1)
+                off = y - (exponent * x + level)
+                scatter = np.exp(np.sqrt(np.mean(off**2)))
+                laws[model] = PowerLaw(float(np.exp(level)), float(exponent), float(scatter))
+        return laws
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the ladder's rows of `--json`."""
@@ -225,21 +169,21 @@ class Ladder:
         return [
             {
                 "ladder": self.name,
-                "model": measurement.model,
-                "setting": measurement.setting,
-                "unknowns": measurement.unknowns,
-                "seconds": measurement.seconds,
-                "error": measurement.errors.get(first),
-                "errors": measurement.errors,
-                "spread_s": measurement.spread,
-                "repeats": len(measurement.runs),
+                "model": trial.model,
+                "setting": trial.setting,
+                "unknowns": trial.unknowns,
+                "seconds": trial.seconds,
+                "error": trial.errors.get(first),
+                "errors": trial.errors,
+                "spread_s": max(trial.runs) - min(trial.runs),
+                "repeats": len(trial.runs),
             }
-            for measurement in self.trials
+            for trial in self.trials
         ]
 
     def reference(self) -> dict[str, Any]:
         """Return what the trials are held against, by measure, and what was skipped."""
-        measures = {
+        measures: dict[str, Any] = {
             m.name: {
                 "error": m.what,
                 "unit": m.unit,
@@ -252,50 +196,9 @@ class Ladder:
         }
         matched = {
             m.name: [
-                {
-                    "error": error,
-                    "seconds": {measurement.model: measurement.seconds for measurement in trials},
-                }
+                {"error": error, "seconds": {trial.model: trial.seconds for trial in trials}}
                 for error, trials in self.matched(m).items()
             ]
             for m in self.measures
         }
         return {**measures, "skipped": self.skipped, "at_matched_error": matched}
-
-
-class LadderModule(Protocol):
-    """A ladder's module."""
-
-    def ladder(self, design: Design, repeats: int, progress: Progress | None) -> Ladder:
-        """Return the ladder of a design, each trial timed `repeats` times."""
-
-    def prices(self, design: Design, repeats: int) -> dict[str, float]:
-        """Return what is told as progress and about how many s it takes, in the order in which it comes."""
-
-
-def ladder_of(name: str) -> LadderModule:
-    """Import and return a ladder by name; raises InputError for an unknown one."""
-    if name not in LADDERS:
-        raise InputError("ladders", "unknown ladder", name, did_you_mean(name, LADDERS))
-    return cast(LadderModule, import_module(LADDERS[name]))
-
-
-def repeated(seconds: float, repeats: int) -> float:
-    """Return how long `timed` takes for work of these seconds."""
-    return seconds if seconds > LONG else seconds * (repeats + (seconds < SHORT))
-
-
-def timed(work: Callable[[], Value], repeats: int) -> tuple[Value, tuple[float, ...]]:
-    """Return what `work` gives and the wall time of each run, s; what takes longer than LONG runs once."""
-    runs: list[float] = []
-    warm = False
-    while True:
-        safe_point()
-        began = perf_counter()
-        result = work()
-        runs.append(perf_counter() - began)
-        if not warm and runs[0] < SHORT:
-            runs.clear()
-        elif len(runs) >= repeats or runs[0] > LONG:
-            return result, tuple(runs)
-        warm = True

@@ -7,27 +7,23 @@ at which a ridge is found to slip.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from time import perf_counter
 
 import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
-from skincad.base.progress import Progress
 from skincad.inputs.design import Design
-from skincad.scenes.march import LEVELS, Level, expected
+from skincad.scenes.march import LEVELS, Level
 from skincad.scenes.scene import LAW, Scene, load_scene
 from skincad.scenes.simulation import Simulation, at_level
 from skincad.shape.skin import skin_of
-from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, repeated, timed
+from skincad.studies.accuracy.ladder import ErrorMeasure, Ladder, Measurement, timed
 
 SCENE, FORCE = "yamada-2002-slip", 4.0  # its normal force, N
 TOLD = 3  # paper: the third ridge from an end
-
-
-def of_size(design: Design) -> float:
-    """Return how large a skin is of the paper's, on which the ladders' times were measured."""
-    return skin_of(design).count / skin_of(load_scene(SCENE).design).count
 
 
 def scene_on(design: Design, *more: str, friction: float = 1.0) -> Scene:
@@ -73,17 +69,6 @@ def signal(simulation: Simulation) -> Array:
     return next(iter(simulation.raw.values())) if simulation.raw else simulation.march.column("travel")
 
 
-def peak_rate(simulation: Simulation) -> float:
-    """Return the largest rate of the band-limited signals, MPa/s; 0 without any."""
-    return max((float(np.abs(signal.rate).max()) for signal in simulation.signals.values()), default=0.0)
-
-
-def slip_time(simulation: Simulation) -> float | None:
-    """Return when the told ridge slips for good, s; None where it does not."""
-    step = simulation.slip_steps[min(TOLD, len(simulation.slip_steps)) - 1]
-    return None if step is None else float(simulation.march.time[step])
-
-
 def apart(simulation: Simulation, truth: Simulation) -> dict[str, float]:
     """Return the errors of the signal, relative to its largest, of its peak rate, and of the slip's time,
     relative to the history's length."""
@@ -91,98 +76,58 @@ def apart(simulation: Simulation, truth: Simulation) -> dict[str, float]:
     at = simulation.march.time[simulation.march.time < end]  # the last state is at the brink of gross slip
     exact = np.interp(at, truth.march.time, signal(truth))
     errors = {"signal": float(np.abs(signal(simulation)[: at.size] - exact).max() / np.abs(exact).max())}
-    if there := peak_rate(truth):
-        errors["peak rate"] = abs(peak_rate(simulation) / there - 1)
-    first, last = slip_time(simulation), slip_time(truth)
-    if first is not None and last is not None:
-        errors["slip"] = abs(first - last) / truth.scene.history.time_s[-1]
+    rate, there = (  # MPa/s, of the band-limited signals; 0 without any
+        max((float(np.abs(s.rate).max()) for s in each.signals.values()), default=0.0)
+        for each in (simulation, truth)
+    )
+    if there:
+        errors["peak rate"] = abs(rate / there - 1)
+    steps = [each.slip_steps[min(TOLD, len(each.slip_steps)) - 1] for each in (simulation, truth)]
+    if steps[0] is not None and steps[1] is not None:
+        late = float(simulation.march.time[steps[0]]) - float(truth.march.time[steps[1]])
+        errors["slip"] = abs(late) / truth.scene.history.time_s[-1]
     return errors
 
 
 MESHES = (*((level.fineness, level.order) for level in LEVELS), (1.0, 5))  # the last is the reference
 STEPS = (55, 110, 275, 550, 2200)  # of one history, 550 the paper's; the last is the reference
 MOST = 120.0  # s a trial
-# s of yamada-2002 on the first mesh and, in all, on the last; measured
-FIRST, LAST = {"mesh": 0.52, "condense": 0.95, "march": 0.4}, 15.0
 
 
-def ladder(design: Design, repeats: int, progress: Progress | None) -> Ladder:
+def ladder(design: Design, repeats: int, tell: Callable[[str], None]) -> Ladder:
     """Return the scene on each mesh at the paper's step, and at each step on the coarsest mesh."""
+    settings = {
+        "mesh": [(f"fineness {f:g}, order {k}", Level(f, k), STEPS[3]) for f, k in MESHES],
+        "time step": [(f"{n} steps", Level(*MESHES[0]), n) for n in STEPS],
+    }
     trials: list[Measurement] = []
     known: list[str] = []
     skipped: dict[str, str] = {}
-    for model, settings in settings_by_model().items():
+    for model, steps in settings.items():
+        results = []
         try:
-            results = [
-                _marched(design, *mesh_and_steps, repeats, progress) for mesh_and_steps in settings[:-1]
-            ]
-            results.append(
-                _marched(design, *settings[-1], 1, progress)
-            )  # the reference: its time is not asked
+            for setting, level, count in steps:
+                tell(setting)
+                scene = scene_on(design, f"history.steps={count}")
+                # the last is the reference: its time is not asked
+                asked = repeats if setting != steps[-1][0] else 1
+                results.append(timed(partial(marched, scene, level, MOST), asked))
         except (InputError, RefusedError) as refusal:
             skipped[model] = str(refusal)
             continue
-        setting, truth, _ = results[-1]
+        *others, (truth, _) = results
         trials += [
-            Measurement(model, s, f.march.unknowns, runs, apart(f, truth)) for s, f, runs in results[:-1]
+            Measurement(model, setting, result.march.unknowns, runs, apart(result, truth))
+            for (setting, *_), (result, runs) in zip(steps, others, strict=False)
         ]
         differs = trials[-1].errors["signal"]
-        known.append(f"{model}: {setting}; {trials[-1].setting} differs by {differs:.0e} of the signal")
+        known.append(f"{model}: {steps[-1][0]}; {steps[-2][0]} differs by {differs:.0e} of the signal")
     what = "S1 - S2 at the ridge read out" if skin_of(design).slot else "the plate's travel"
-    words = ("each way's own finest setting", "; ".join(known))
-    measures = (
-        ErrorMeasure(
-            "signal", f"largest error of {what}, relative to its largest", "1", *words, compares=False
-        ),
-        ErrorMeasure("peak rate", "error of the signal's peak rate, relative", "1", *words, compares=False),
-        ErrorMeasure(
-            "slip", "error of when the ridge slips, of the history's length", "1", *words, compares=False
-        ),
-    )
-    return Ladder("slip", f"slip of {design.name}", tuple(trials), measures, skipped=skipped)
-
-
-def prices(design: Design, repeats: int) -> dict[str, float]:
-    """Return the stages and their expected seconds."""
-    larger = of_size(design)
-    seconds = {}
-    for settings in settings_by_model().values():
-        for setting, mesh, steps in settings:
-            once = LAST * larger if mesh == MESHES[-1] else _seconds(mesh, steps) * larger
-            seconds[stage_name(setting)] = repeated(once, 1 if setting == settings[-1][0] else repeats)
-    return seconds
-
-
-def _seconds(mesh: tuple[float, int], steps: int) -> float:
-    """Of yamada-2002: the first mesh's, measured, carried on as `simulate` does."""
-    first, level = LEVELS[0], LEVELS[MESHES.index(mesh)]
-    spent = {**FIRST, "march": FIRST["march"] * steps / STEPS[3]}
-    return FIRST["mesh"] + expected(level, first, spent)
-
-
-def settings_by_model() -> dict[str, list[tuple[str, tuple[float, int], int]]]:
-    """Settings by model: in words, the mesh and the steps."""
-    return {
-        "mesh": [(f"fineness {f:g}, order {k}", (f, k), STEPS[3]) for f, k in MESHES],
-        "time step": [(f"{n} steps", MESHES[0], n) for n in STEPS],
+    errors = {
+        "signal": f"largest error of {what}, relative to its largest",
+        "peak rate": "error of the signal's peak rate, relative",
+        "slip": "error of when the ridge slips, of the history's length",
     }
-
-
-def stage_name(setting: str) -> str:
-    """Return what the bar calls a setting's march."""
-    return f"slip: {setting}"
-
-
-def _marched(
-    design: Design,
-    setting: str,
-    mesh: tuple[float, int],
-    steps: int,
-    repeats: int,
-    progress: Progress | None,
-) -> tuple[str, Simulation, tuple[float, ...]]:
-    if progress:
-        progress(stage_name(setting))
-    scene = scene_on(design, f"history.steps={steps}")
-    simulation, runs = timed(lambda: marched(scene, Level(*mesh), MOST), repeats)
-    return setting, simulation, runs
+    words = ("each way's own finest setting", "; ".join(known))
+    measures = tuple(ErrorMeasure(name, text, "1", *words, compares=False) for name, text in errors.items())
+    return Ladder("slip", f"slip of {design.name}", tuple(trials), measures, skipped=skipped)

@@ -24,11 +24,11 @@ from skincad.base import Result
 from skincad.fabrication import Job, mesh, upright
 from skincad.inputs import PressCurve
 from skincad.mechanics import sensitivities
-from skincad.outputs import Axes, diagram, gain_figure, sheet
+from skincad.outputs import Axes, accuracy_figure, gain_figure, sheet
 from skincad.outputs.figures import canvas, results, scenes
 from skincad.outputs.figures import design as pictures
 from skincad.scenes import LEVELS, at_level
-from skincad.studies import ErrorMeasure, Ladder, Measurement
+from skincad.studies import Accuracy, ErrorMeasure, Ladder, Measurement
 from tests.designs import RIDGED
 from tests.small_scene import THIRD, small_scene
 
@@ -144,8 +144,10 @@ def ladder() -> canvas.Picture:
         for model, error in models.items()
         for k in range(3)
     )
-    return diagram(
-        Ladder("contact", "contact: error against time", trials, (measure,)), {"processor": "x", "cores": 2}
+    ladder = Ladder("contact", "contact: error against time", trials, (measure,))
+    machine = {"processor": "x", "cores": 2}
+    return accuracy_figure(
+        Accuracy(name="x", ladders=(ladder, ladder), machine=machine, repeats=2, seconds=1.0)
     )
 
 

@@ -159,12 +159,9 @@ def test_without_a_cut_off_one_line_goes_through_the_fitted_ranges_middle() -> N
 
 def test_data_are_drawn_without_the_offset_that_was_fitted() -> None:
     circuit_gain = of("yamada-2002")
-    measurement = SimpleNamespace(
-        frequency=np.array([20.0, 200.0]),
-        gain=np.array([3.0, 5.0]),
-        calibration=SimpleNamespace(offset=-12.5),
-    )
-    x, y = starting(lines(replace(circuit_gain, measured=measurement)), "measured, +12.5 dB")
+    measured = SimpleNamespace(frequency=np.array([20.0, 200.0]), gain=np.array([3.0, 5.0]))
+    fitted = replace(circuit_gain, measured=measured, calibration=SimpleNamespace(offset=-12.5))
+    x, y = starting(lines(fitted), "measured, +12.5 dB")
     assert (list(x), list(y)) == ([20.0, 200.0], [15.5, 17.5])
 
 
