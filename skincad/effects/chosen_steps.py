@@ -23,7 +23,6 @@ import numpy as np
 from scipy import linalg
 
 from skincad.base.arrays import Array
-from skincad.base.errors import RefusedError
 from skincad.base.machine import one_blas_thread
 from skincad.effects.kinds import FRICTIONLESS, Discretisation, Drift, Observables, Share, Step
 from skincad.mechanics.bodies.film_field import StripStress
@@ -155,8 +154,6 @@ class ChosenPad:
     def advanced(self, state: ChosenState, step: Step, share: Share) -> ChosenState:
         """Return the state at the step's end, with what masses add. Raises GrossSlip, with the last state,
         and ContactError."""
-        if share.more:
-            raise RefusedError("finite_strain is quasi-static: it takes no share but friction's")
         if step.after.angle:
             raise ContactError("finite_strain takes a plate that keeps its angle")
         cone = share.cone or FRICTIONLESS

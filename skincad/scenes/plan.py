@@ -24,7 +24,7 @@ import numpy as np
 from skincad.base.adaptivity import overrun, unmet
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
-from skincad.effects import EFFECTS, effect
+from skincad.effects import INDICATORS, effect
 from skincad.effects.kinds import FRICTIONLESS, RELIEF, Law, LeftOutEffect, PlatePath, SceneOutline
 from skincad.mechanics.fits import unlike
 from skincad.scenes.errors import near_chosen
@@ -330,7 +330,7 @@ def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
     static = (scene.cone or FRICTIONLESS).static
     outline = SceneOutline(scene.design, tuple(history.time_s), loads, path, driven, static)
     there = {*scene.effects, *(["inertia"] if marches_masses(scene) else [])}
-    unnamed = [name for name, row in EFFECTS.items() if row.indicates and name not in there]
+    unnamed = [name for name in INDICATORS if name not in there]
     entries = [
         replace(entry, calibrated=False, within=None) if unlike(scene.design, effect=name) else entry
         for name in unnamed
@@ -341,7 +341,7 @@ def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
 
 def path_of(march: March) -> PlatePath:
     """Return what a march found, as indicators see it."""
-    normal_loads, pulled, _ = np.moveaxis(march.loads, 1, 0)
+    normal_loads, pulled, area = np.moveaxis(march.loads, 1, 0)
     films = march.column("films")[:, :, 0]
     return PlatePath(
         time=march.time,
@@ -351,6 +351,7 @@ def path_of(march: March) -> PlatePath:
         pulled=pulled,
         slips=_slipping(march, normal_loads.shape[1]),
         felt=films[:, ::2] - films[:, 1::2],
+        area=area,
     )
 
 

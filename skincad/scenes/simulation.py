@@ -17,7 +17,7 @@ from skincad.base.interrupt import INTERRUPTED
 from skincad.base.progress import Tick
 from skincad.base.result import Record, Result, item, record, reported
 from skincad.circuit.state import FilteredSignal, band_limited, delay
-from skincad.effects.kinds import LeftOutEffect, Reader, ReaderContext, RidgePath
+from skincad.effects.kinds import LeftOutEffect, Reader, ReaderContext
 from skincad.mechanics.contact.state import FrictionCoefficients
 from skincad.mechanics.dynamics.ringing import skin_mass
 from skincad.mechanics.validity import material_warnings
@@ -46,6 +46,7 @@ from skincad.scenes.plan import (
     further,
     left_out_effects,
     model_of,
+    path_of,
     refine,
 )
 from skincad.scenes.runs import (
@@ -498,9 +499,8 @@ def _simulation(on: MarchSetup, runs: Runs, seconds: dict[str, float]) -> Simula
     notes = [*notes, *unresolved(march.time, width)] if raw else notes
     notes = [*notes, *material_warnings(scene.design)]
     notes = [*notes, *(remark for term in scene.terms for remark in term.remarks(scene.asked))]
-    normal, tangential, area = np.moveaxis(march.loads, 1, 0)
-    path = RidgePath(normal, tangential, area, slips.slipping)
     if on.piece is not None:
+        path = path_of(march)
         notes = [*notes, *(remark for term in scene.terms for remark in term.afterwards(path))]
     readings, remarks = read(scene, march, slips, seconds)
     return Simulation(

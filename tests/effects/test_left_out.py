@@ -206,7 +206,7 @@ def test_a_signal_follows_pull_and_normal_force() -> None:
     pulled = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.4, 0.4, 0.0]])
     signal = 3 * pulled + normal * [0.5, -0.5, 7.0]
     zero = np.zeros(4)
-    path = PlatePath(np.arange(4.0), zero, zero, normal, pulled, 0 * normal, signal)
+    path = PlatePath(np.arange(4.0), zero, zero, normal, pulled, 0 * normal, signal, normal)
     down, along = path.per_force()
     # what presses both ridges alike cancels, so the pull is told apart exactly
     assert along == pytest.approx([3.0, 3.0, 3.0])
@@ -216,9 +216,9 @@ def test_a_signal_follows_pull_and_normal_force() -> None:
 def test_without_films_the_pull_stands_for_the_signal_and_without_that_the_normal_force() -> None:
     ones, zero = np.ones((2, 3)), np.zeros(2)
     untold = np.zeros((2, 0))
-    pull = PlatePath(zero, zero, zero, ones, 2 * ones, 0 * ones, untold)
+    pull = PlatePath(zero, zero, zero, ones, 2 * ones, 0 * ones, untold, ones)
     assert pull.signal is pull.pulled
-    press = PlatePath(zero, zero, zero, ones, 0 * ones, 0 * ones, untold)
+    press = PlatePath(zero, zero, zero, ones, 0 * ones, 0 * ones, untold, ones)
     assert press.signal is press.pressed
 
 
