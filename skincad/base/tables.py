@@ -25,8 +25,8 @@ from skincad.base.errors import MOST_TOLD, InputError, did_you_mean, together
 
 
 def quantity(unit: str, meaning: str, **limits: Any) -> Any:
-    """Describe a float field: its unit and meaning go into the schema and the commented TOML."""
-    return Field(description=meaning, json_schema_extra={"unit": unit}, allow_inf_nan=False, **limits)
+    """Describe a field of numbers: its unit and meaning go into the schema and the commented TOML."""
+    return Field(description=meaning, json_schema_extra={"unit": unit}, **limits)
 
 
 class Table(BaseModel):

@@ -61,7 +61,7 @@ class Ridge(Table):
     pocket: ClassVar[Pocket | None] = None  # ridges have slots
     widths: ClassVar[tuple[str, str]] = "root_width", "tip_width"  # the keys of both
 
-    count: int = Field(description="number of ridges", ge=1, le=999, json_schema_extra={"unit": "1"})
+    count: int = quantity("1", "number of ridges", ge=1, le=999)
     pitch: float | None = quantity(
         "mm",
         "axis to axis along the base circle; of one ridge not needed",
@@ -167,18 +167,10 @@ class Pin(Table):
     pitch: float = quantity(
         "mm", "axis to axis along the base; of polar pins from ring to ring", gt=0.0, le=100.0
     )
-    columns: int | None = Field(
-        default=None, description="pins in a row along x", ge=1, le=1000, json_schema_extra={"unit": "1"}
-    )
-    rows: int | None = Field(
-        default=None, description="rows of pins along y", ge=1, le=1000, json_schema_extra={"unit": "1"}
-    )
-    rings: int | None = Field(
-        default=None,
-        description="rings round the middle pin, of a polar pattern",
-        ge=0,
-        le=25,
-        json_schema_extra={"unit": "1"},
+    columns: int | None = quantity("1", "pins in a row along x", ge=1, le=1000, default=None)
+    rows: int | None = quantity("1", "rows of pins along y", ge=1, le=1000, default=None)
+    rings: int | None = quantity(
+        "1", "rings round the middle pin, of a polar pattern", ge=0, le=25, default=None
     )
     margin: float | None = quantity(
         "mm",
@@ -262,10 +254,8 @@ class Flat(Table):
 
     family: ClassVar[str] = "flat"
 
-    columns: int = Field(
-        default=1, description="pockets along x", ge=1, le=50, json_schema_extra={"unit": "1"}
-    )
-    rows: int = Field(default=1, description="pockets along y", ge=1, le=50, json_schema_extra={"unit": "1"})
+    columns: int = quantity("1", "pockets along x", ge=1, le=50, default=1)
+    rows: int = quantity("1", "pockets along y", ge=1, le=50, default=1)
     pitch: float | None = quantity(
         "mm", "from pocket to pocket; of one not needed", gt=0.0, le=500.0, default=None
     )

@@ -82,13 +82,7 @@ class Mold(Table):
         le=0.5,
         default=0.005,
     )
-    cavities: int = Field(
-        default=1,
-        description="skins side by side along x in one block",
-        ge=1,
-        le=12,
-        json_schema_extra={"unit": "1"},
-    )
+    cavities: int = quantity("1", "skins side by side along x in one block", ge=1, le=12, default=1)
     split: Literal["none", "auto", "tips"] = Field(
         default="none",
         description="auto: the cavity is parted at the summits of ridges that are too undercut to be pulled, "
@@ -161,16 +155,14 @@ class Mold(Table):
         min_length=1,
         max_length=4096,
     )
-    bone_at: Place | None = Field(
-        default=None,
-        description="where the file's origin comes to be, (x, y, z) from the middle of the skin's back, z "
+    bone_at: Place | None = quantity(
+        "mm",
+        "where the file's origin comes to be, (x, y, z) from the middle of the skin's back, z "
         "out of the skin; 0, 0, 0 if not given",
-        json_schema_extra={"unit": "mm"},
-    )
-    bone_turn: Place | None = Field(
         default=None,
-        description="how it is turned about its origin, about x, then y, then z; not if not given",
-        json_schema_extra={"unit": "deg"},
+    )
+    bone_turn: Place | None = quantity(
+        "deg", "how it is turned about its origin, about x, then y, then z; not if not given", default=None
     )
     bone_bond: Literal["primer", "rivets"] | None = Field(
         default=None,
@@ -210,13 +202,7 @@ class HolePattern(Table):
         "and pitch_y; two screws in line where only one of them is given)",
     )
     diameter: float | None = quantity("mm", "of the bolt circle", gt=0.0, le=1000.0, default=None)
-    count: int | None = Field(
-        default=None,
-        description="screws on the circle; 4 if not given",
-        ge=2,
-        le=12,
-        json_schema_extra={"unit": "1"},
-    )
+    count: int | None = quantity("1", "screws on the circle; 4 if not given", ge=2, le=12, default=None)
     angle: float | None = quantity(
         "deg",
         "of the circle's first screw, from +x towards +y; half of the angle between two if not given",
@@ -239,13 +225,13 @@ class HolePattern(Table):
 class Mount(HolePattern):
     """Screws and fiducials on the carrier's top, x and y from its middle as the mold has them."""
 
-    fiducials: int = Field(
-        default=0,
-        description="round dimples for a camera, 3 or 4, so placed that a carrier that is turned is known "
+    fiducials: int = quantity(
+        "1",
+        "round dimples for a camera, 3 or 4, so placed that a carrier that is turned is known "
         "from one that is not; 0 for none",
         ge=0,
         le=4,
-        json_schema_extra={"unit": "1"},
+        default=0,
     )
     fiducial_diameter: float = quantity("mm", "of a dimple", ge=0.3, le=10.0, default=1.0)
     fiducial_depth: float = quantity("mm", "of a dimple", ge=0.1, le=2.0, default=0.5)

@@ -137,19 +137,9 @@ class Process(SparseTable):
         "1", "share by which price and rate may be off", ge=0.0, le=1.0, default=0.5
     )
     line: float = quantity("mm", "width of a line of filament", gt=0.0, le=10.0, default=0.45)
-    loops: int = Field(
-        default=3,
-        description="lines of filament round each layer",
-        ge=1,
-        le=1000,
-        json_schema_extra={"unit": "1"},
-    )
-    shells: int = Field(
-        default=4,
-        description="layers that are filled solid under a top and over a bottom",
-        ge=0,
-        le=1000,
-        json_schema_extra={"unit": "1"},
+    loops: int = quantity("1", "lines of filament round each layer", ge=1, le=1000, default=3)
+    shells: int = quantity(
+        "1", "layers that are filled solid under a top and over a bottom", ge=0, le=1000, default=4
     )
     infill: float = quantity("1", "share of the rest that is filled", ge=0.0, le=1.0, default=1.0)
     outer_speed: float = quantity("mm/s", "of the outermost line", gt=0.0, le=1e4, default=25.0)
@@ -160,16 +150,8 @@ class Process(SparseTable):
     acceleration: float = quantity("mm/s2", "of the nozzle", gt=0.0, le=1e6, default=1000.0)
     exposure: float = quantity("s", "of a layer of resin", ge=0.0, le=1e4, default=0.0)
     first_exposure: float = quantity("s", "of each of the first layers", ge=0.0, le=1e4, default=0.0)
-    first_layers: int = Field(
-        default=3, description="that are exposed so long", ge=0, le=1000, json_schema_extra={"unit": "1"}
-    )
-    fading: int = Field(
-        default=10,
-        description="layers from that exposure to the usual one",
-        ge=0,
-        le=1000,
-        json_schema_extra={"unit": "1"},
-    )
+    first_layers: int = quantity("1", "that are exposed so long", ge=0, le=1000, default=3)
+    fading: int = quantity("1", "layers from that exposure to the usual one", ge=0, le=1000, default=10)
     lift: float = quantity("s", "from a layer's exposure to the next one's", ge=0.0, le=1e4, default=0.0)
     allowance: float = quantity(
         "mm", "by which stock is larger than its part, on each side", ge=0.0, le=1000.0, default=0.0

@@ -110,10 +110,10 @@ class Silicone(SparseTable):
     based_on: str | None = Field(
         default=None, description="the shipped silicone that a new one takes all other values from"
     )
-    young_modulus: Modulus = Field(
+    young_modulus: Modulus = quantity(
+        "MPa",
+        "small strain; a number, or {value, low, high}",
         default=NumberWithRange(value=1.0, low=1.0, high=1.0),
-        description="small strain; a number, or {value, low, high}",
-        json_schema_extra={"unit": "MPa"},
     )
     law: Law | None = Field(
         default=None, description="at large strain: its kind and constants; neo-Hooke's if not given"

@@ -45,23 +45,17 @@ Numbers = Annotated[list[float], BeforeValidator(_listed)]
 class History(Table):
     """What the plate does: points in time, straight lines between them."""
 
-    time_s: Numbers = Field(
-        description="of each point, from 0", min_length=2, max_length=10_000, json_schema_extra={"unit": "s"}
+    time_s: Numbers = quantity("s", "of each point, from 0", min_length=2, max_length=10_000)
+    normal_force_N: Numbers = quantity("N", "of the plate on the skin, at each point")  # noqa: N815
+    tangential_force_N: Numbers | None = quantity(  # noqa: N815
+        "N", "of the plate on the skin, to +x", default=None
     )
-    normal_force_N: Numbers = Field(  # noqa: N815
-        description="of the plate on the skin, at each point", json_schema_extra={"unit": "N"}
-    )
-    tangential_force_N: Numbers | None = Field(  # noqa: N815
-        default=None, description="of the plate on the skin, to +x", json_schema_extra={"unit": "N"}
-    )
-    displacement_mm: Numbers | None = Field(
-        default=None, description="of a driven plate, to +x, instead", json_schema_extra={"unit": "mm"}
-    )
-    rotation_deg: Numbers | None = Field(
-        default=None,
-        description="of the plate about y, positive where it rises towards +x; forces and displacement "
+    displacement_mm: Numbers | None = quantity("mm", "of a driven plate, to +x, instead", default=None)
+    rotation_deg: Numbers | None = quantity(
+        "deg",
+        "of the plate about y, positive where it rises towards +x; forces and displacement "
         "are then normal to the plate and along it",
-        json_schema_extra={"unit": "deg"},
+        default=None,
     )
     steps: int = Field(
         description="number of equal time steps; a corner between two of them adds a step of its own",
