@@ -312,13 +312,10 @@ class ChosenPad:
                 cut = replace(tangent, cut=str(failure), at=forces)
                 return self._linear_state(self._steady(replace(before, tangent=cut)), start, end, cone, swing)
             return self._steady(replace(after, tangent=replace(tangent, cut=str(failure), at=forces)))
-        if after is None or self._snapped(after, state):
+        # further from where the tangent has led than a stride, a corner has snapped
+        if after is None or self._intervals(after, self._place(state)) > after.tangent.stride:
             return self._jumped(before, state, after)
         return replace(after, tangent=self._tangent(state, after), distance=0.0, chosen=True)
-
-    def _snapped(self, after: ChosenState, state: FrictionalState) -> bool:
-        """Whether an equilibrium is further from where the tangent has led than a stride."""
-        return self._intervals(after, self._place(state)) > after.tangent.stride
 
     def _intervals(self, state: ChosenState, place: Array) -> float:
         """How far a touching point is at most from places `(2 m,)`, in update intervals."""

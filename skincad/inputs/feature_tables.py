@@ -366,13 +366,9 @@ def _hexagonal(columns: int, rows: int, pitch: float) -> tuple[Place, ...]:
         v, short = (j - (rows - 1) / 2) * _ROW, j % 2
         for i in range(columns - short):
             u = i - (columns - short - 1) / 2
-            found.append(Place(u * pitch, v * pitch, math.floor(_hex_distance(u, v / _ROW) + _SAME)))
+            away = abs(v / _ROW)  # rows; the steps from the middle follow from this and u
+            found.append(Place(u * pitch, v * pitch, math.floor(max(away, abs(u) + away / 2) + _SAME)))
     return tuple(found)
-
-
-def _hex_distance(u: float, row: float) -> float:
-    """Steps from the middle, of a site at u pitches along a row."""
-    return max(abs(row), abs(u) + abs(row) / 2)
 
 
 def _polar(rings: int, pitch: float) -> tuple[Place, ...]:

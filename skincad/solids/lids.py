@@ -443,15 +443,13 @@ def _check_cores(design: Design, vent: Bore, cup: Bore) -> None:
     for number, hole in enumerate(_access(design, 0.0, 1.0)):
         what = "a core pin" if number < pins else "a screw's head"
         key = f"{design.features.family}.pocket" if number < pins else KEY
-        (x, y, _), at_vent = hole.start, _web(vent, hole) + ACCESS_PLAY
-        if at_vent < least:
-            rule = f"puts {what} at ({x:.4g}, {y:.4g}) {max(at_vent, 0.0):.3g} mm from the carrier's vent, "
-            rule += f"needed are {least:g}"
-            raise InputError(key, rule, remedy="move it, or take a smaller mold.vent")
-        if (at_cup := _web(cup, hole)) < least:
-            rule = f"puts {what} at ({x:.4g}, {y:.4g}) {max(at_cup, 0.0):.3g} mm from the riser's cup in the "
-            rule += f"cover, needed are {least:g}"
-            raise InputError(key, rule, remedy="move it, or take a smaller mold.vent, and mold.reservoir")
+        (x, y, _), smaller = hole.start, "move it, or take a smaller mold.vent"
+        at_vent = _web(vent, hole) + ACCESS_PLAY, "the carrier's vent", smaller
+        at_cup = _web(cup, hole), "the riser's cup in the cover", f"{smaller}, and mold.reservoir"
+        for web, other, remedy in (at_vent, at_cup):
+            if web < least:
+                rule = f"puts {what} at ({x:.4g}, {y:.4g}) {max(web, 0.0):.3g} mm from {other}, "
+                raise InputError(key, f"{rule}needed are {least:g}", remedy=remedy)
 
 
 def _filled(rivets: list[tuple[float, float]]) -> list[tuple[Vector, float]]:
