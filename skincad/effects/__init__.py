@@ -6,11 +6,10 @@ within its methods, not with its file.
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
 from skincad.base.errors import InputError, did_you_mean
-from skincad.base.faces import face
+from skincad.base.faces import face, imported
 
 if TYPE_CHECKING:
     from skincad.effects.kinds import Effect
@@ -34,8 +33,7 @@ def effect(name: str) -> type[Effect]:
     """Import and return the effect of this name; raises InputError for an unknown one."""
     if name not in EFFECTS:
         raise InputError(f"effects.{name}", "unknown effect", remedy=did_you_mean(name, EFFECTS))
-    module, _, kind = EFFECTS[name].partition(":")
-    kind_class: type[Effect] = getattr(import_module(module), kind)
+    kind_class: type[Effect] = imported(EFFECTS[name])
     return kind_class
 
 

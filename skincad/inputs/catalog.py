@@ -28,6 +28,7 @@ from skincad.inputs.silicone import Silicone
 OwnTable = Literal["printer", "silicones", "grippers"]
 Own = str | Path | Mapping[str, Any]  # a TOML file of one's own tables, or the tables
 LARGEST_FILE = 1_000_000  # bytes; a design is a few thousand
+LONGEST_PATH = 4096  # letters
 Kind = Literal["designs", "scenes", "circuits", "studies"]
 KINDS: tuple[Kind, ...] = ("designs", "scenes", "circuits")  # what `new` writes, and studies vary
 # what a file is, and what takes it
@@ -75,6 +76,19 @@ def template_text(name: str, kind: Kind = "designs") -> str:
     if name not in known:
         raise InputError(name, "no such template", remedy=did_you_mean(name, known))
     return (templates_folder() / kind / f"{name}.toml").read_text("utf-8")
+
+
+def named_document(value: Any, model: type[Document], what: str) -> Any:
+    """Return a document, of its tables where these are given, or the text that names one.
+
+    Raises InputError for anything else; `what` it must be."""
+    if isinstance(value, dict):
+        return model(**value)
+    if not isinstance(value, str | model):
+        raise InputError("", f"must be {what}, or the name of a template or TOML file", value)
+    if isinstance(value, str) and len(value) > LONGEST_PATH:
+        raise InputError("", f"must have at most {LONGEST_PATH} characters", value)
+    return value
 
 
 def kinds_of(name: str) -> list[Kind]:

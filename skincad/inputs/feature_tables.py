@@ -20,6 +20,10 @@ LOWEST_CROWN = 1e-9  # mm, of a sphere; a lower one is flat
 HIGHEST = 50.0  # mm, of a feature
 MOST_PINS = 2000
 ONE_HEIGHT: dict[str, Any] = {"oneOf": [{"required": ["height"]}, {"required": ["heights"]}]}
+EACH_HEIGHT: dict[str, Any] = {
+    "unit": "mm",
+    "items": {"type": "number", "exclusiveMinimum": 0, "maximum": HIGHEST},
+}
 A_PITCH: dict[str, Any] = {"anyOf": [{"required": ["pitch"]}, {"properties": {"count": {"const": 1}}}]}
 
 
@@ -75,10 +79,7 @@ class Ridge(Table):
     heights: Heights | None = Field(
         default=None,
         description="the same of each ridge, the one at the smallest x first, in the place of height",
-        json_schema_extra={
-            "unit": "mm",
-            "items": {"type": "number", "exclusiveMinimum": 0, "maximum": HIGHEST},
-        },
+        json_schema_extra=EACH_HEIGHT,
     )
     levelling: float | None = quantity(
         "1",
@@ -186,10 +187,7 @@ class Pin(Table):
         default=None,
         description="the same of each pin in order, or of each ring of pins from inside out, "
         "in the place of height",
-        json_schema_extra={
-            "unit": "mm",
-            "items": {"type": "number", "exclusiveMinimum": 0, "maximum": HIGHEST},
-        },
+        json_schema_extra=EACH_HEIGHT,
     )
     levelling: float | None = quantity(
         "1",

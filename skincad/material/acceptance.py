@@ -37,7 +37,14 @@ from skincad.inputs.measurements import (
     press_curve,
 )
 from skincad.material.pad import PadCurve, fit_curve, small_strain_curve, tare
-from skincad.material.press_model import SCALE_ERROR, PressModel, good_curve, press_model, refuse_design
+from skincad.material.press_model import (
+    SCALE_ERROR,
+    PressModel,
+    good_curve,
+    press_model,
+    refuse_design,
+    under_flat_plate,
+)
 
 FORCE_ERROR, APPROACH_ERROR = 0.05, 0.02  # N and mm, of a kitchen scale and a screw
 KINDS = {
@@ -185,7 +192,7 @@ def model_for(design: Design, curve: PressCurve, clock: Stopwatch) -> tuple[Pres
 
     Raises InputError for forces beyond the model's range, and rows in other units.
     """
-    first = small_strain_curve(_flat(design), silicone(design).young_modulus.value, clock)
+    first = small_strain_curve(under_flat_plate(design), silicone(design).young_modulus.value, clock)
     curve = usable(curve, first)
     largest = float(curve.force.max())
     if largest > first.force[-1]:
@@ -212,12 +219,6 @@ def usable(curve: PressCurve, good: PadCurve) -> PressCurve:
         curve = replace(curve, force=curve.force - level, notes=(*curve.notes, note))
     _refuse_units(curve, good)
     return curve
-
-
-def _flat(design: Design) -> Design:
-    return (
-        design if design.contact.plate.shape == "flat" else design.with_(contact={"plate": {"shape": "flat"}})
-    )
 
 
 def _refuse_units(curve: PressCurve, good: PadCurve) -> None:

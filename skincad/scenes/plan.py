@@ -22,12 +22,11 @@ from typing import Any
 import numpy as np
 
 from skincad.base.adaptivity import overrun, unmet
-from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.effects import INDICATORS, effect
 from skincad.effects.kinds import FRICTIONLESS, RELIEF, Law, LeftOutEffect, PlatePath, SceneOutline
 from skincad.mechanics.fits import unlike
-from skincad.scenes.errors import near_chosen
+from skincad.scenes.errors import near_chosen, slipping_shares
 from skincad.scenes.march import EXPONENT, INTERRUPTED, LEVELS, March, expected
 from skincad.scenes.runs import (
     MarchSetup,
@@ -349,14 +348,7 @@ def path_of(march: March) -> PlatePath:
         travel=march.column("travel"),
         pressed=normal_loads,
         pulled=pulled,
-        slips=_slipping(march, normal_loads.shape[1]),
+        slips=slipping_shares(march, normal_loads.shape[1]),
         felt=films[:, ::2] - films[:, 1::2],
         area=area,
     )
-
-
-def _slipping(march: March, ridges: int) -> Array:
-    """The share of each ridge's touching points that slips `(steps + 1, ridges)`."""
-    of = (march.ridge[:, None] == np.arange(1, ridges + 1)).astype(float)
-    touches, slips = (march.column(name).astype(float) @ of for name in ("touches", "slips"))
-    return np.asarray(slips / np.maximum(touches, 1.0))

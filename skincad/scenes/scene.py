@@ -18,7 +18,15 @@ from skincad.base.errors import InputError
 from skincad.base.tables import Document, Table, quantity, told
 from skincad.effects import effect
 from skincad.effects.kinds import MASS, MOVING, RELIEF, Effect, Law, PadChange, Reader, Step, Term, share_of
-from skincad.inputs.catalog import Own, load_design, overridden, own_tables, read_table, with_own
+from skincad.inputs.catalog import (
+    Own,
+    load_design,
+    named_document,
+    overridden,
+    own_tables,
+    read_table,
+    with_own,
+)
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.state import Drive, FrictionCoefficients
 from skincad.shape.skin import skin_of
@@ -204,7 +212,6 @@ class Readout(Table):
 
 LAW = "small_strain"  # of a scene that names none
 PIN_EFFECTS = "friction", LAW  # what is simulated of pins
-LONGEST = 4096  # letters of a path
 
 
 def _placed(value: Any, folder: Path) -> Any:
@@ -218,13 +225,7 @@ def _placed(value: Any, folder: Path) -> Any:
 
 def _skin(value: Any) -> Any:
     """A design, or the text that names one."""
-    if isinstance(value, dict):
-        return Design(**value)
-    if not isinstance(value, str | Design):
-        raise InputError("", "must be a design, or the name of a template or TOML file", value)
-    if isinstance(value, str) and len(value) > LONGEST:
-        raise InputError("", f"must have at most {LONGEST} characters", value)
-    return _placed(value, Path())
+    return _placed(named_document(value, Design, "a design"), Path())
 
 
 def _effects(tables: Any, folder: Path = Path()) -> Any:
