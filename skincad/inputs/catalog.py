@@ -26,6 +26,7 @@ from skincad.inputs.shipped import templates_folder
 from skincad.inputs.silicone import Silicone
 
 OwnTable = Literal["printer", "silicones", "grippers"]
+OWN_TABLES: tuple[OwnTable, ...] = ("printer", "silicones", "grippers")
 Own = str | Path | Mapping[str, Any]  # a TOML file of one's own tables, or the tables
 LARGEST_FILE = 1_000_000  # bytes; a design is a few thousand
 LONGEST_PATH = 4096  # letters
@@ -111,23 +112,18 @@ def load_design(
     a copy of the design means the same without them. `settings` are `table.key=value` with a TOML value, or
     `table=none` to drop an optional table, and come last. Raises InputError with key, rule, value, remedy.
     """
-    own = {"printer": printer, "silicones": silicones, "grippers": grippers}
-    return Design(**design_tables(source, settings, **own))
+    return Design(**design_tables(source, settings, printer=printer, silicones=silicones, grippers=grippers))
 
 
 def design_tables(
-    source: str | Path,
-    settings: list[str] | tuple[str, ...] = (),
-    *,
-    printer: Own | None = None,
-    silicones: Own | None = None,
-    grippers: Own | None = None,
+    source: str | Path, settings: list[str] | tuple[str, ...] = (), **own: Own | None
 ) -> dict[str, Any]:
     """Return the tables of a design that `load_design` makes one of, its files' and settings' in them."""
     folder = Path(source).parent if Path(source).suffix == ".toml" else Path()
     data = _with_bone(read_table(source, "designs"), folder)
-    data = with_own(with_own(data, "printer", printer), "silicones", silicones)
-    return _with_bone(overridden(with_own(data, "grippers", grippers), settings), Path())
+    for table in OWN_TABLES:
+        data = with_own(data, table, own.get(table))
+    return _with_bone(overridden(data, settings), Path())
 
 
 def _with_bone(data: dict[str, Any], folder: Path) -> dict[str, Any]:

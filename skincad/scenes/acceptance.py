@@ -48,8 +48,6 @@ from skincad.scenes.strip_assignment import (
     SignalModel,
     align,
     assign,
-    best_gain,
-    best_score,
     cell_means,
     signal_model,
 )
@@ -295,7 +293,7 @@ def _refined(model: SignalModel, time: Array, volts: Array, start: Alignment) ->
     court = Judge(model, noise, size)
 
     def score(at: Alignment) -> float:
-        return best_score(court.likelihoods(parts_at(at)[0], _hum(model, at.delay, at.speed)))
+        return assign(court.likelihoods(parts_at(at)[0], _hum(model, at.delay, at.speed))).score
 
     cell = start.speed * float(np.diff(model.edges).min())
     best, shift, by = Alignment(start.delay, start.speed, score(start)), cell, 0.02
@@ -309,7 +307,7 @@ def _refined(model: SignalModel, time: Array, volts: Array, start: Alignment) ->
         if not moved:
             shift, by = shift / 2, by / 2
     parts, waves = parts_at(best)[0], _hum(model, best.delay, best.speed)
-    fine = best_gain(court.likelihoods(parts, waves)) * FINE
+    fine = assign(court.likelihoods(parts, waves)).likeliest * FINE
     answer = assign(Judge(model, noise, size, fine).likelihoods(parts, waves))
     return RecordingFit(model, best, parts, noise, waves, answer)
 

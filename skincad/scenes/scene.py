@@ -372,8 +372,7 @@ def _check(scene: Scene) -> None:
     _ = scene.law
     if skin.symmetry != "extruded":
         _check_family(scene)
-    _check_law(scene)
-    _check_terms(scene)
+    _check_parts(scene)
     _check_force(scene)
     for name, part in scene.parts.items():
         try:
@@ -419,25 +418,38 @@ def _check_family(scene: Scene) -> None:
             raise InputError(key, "is not simulated of pins", remedy="leave it out")
 
 
-def _check_terms(scene: Scene) -> None:
-    """Raise InputError for what terms ask and law or plate do not give."""
+def _check_parts(scene: Scene) -> None:
+    """Raise InputError for effects that do not work together, or with the history or the plate: what only a
+    quasi-static condensed pad knows, and what terms ask and law or plate do not give."""
     law = next((name for name, part in scene.parts.items() if part is scene.law), LAW)
-    for name, part in scene.parts.items():
-        if isinstance(part, Term) and part.asks - scene.law.gives:
-            raise InputError(
-                f"effects.{name}", f"does not work together with {law}", remedy=f"leave out {law}"
-            )
+    asks = {name: part.asks for name, part in scene.parts.items() if isinstance(part, Term)}
+    bodies = {name: part for name, part in scene.parts.items() if isinstance(part, PadChange)}
+    turns, moving = any(scene.history.rotation_deg or []), [name for name in asks if asks[name] & MOVING]
+    needs = ["history.rotation_deg"] * turns
+    needs += [f"readout.{key}" for key in ("steps", "frames") if getattr(scene.readout, key)]
+    still = [f"effects.{name}" for name, body in bodies.items() if body.condenses]
+    still += [f"effects.{name}" for name in asks if RELIEF in asks[name]]
+    for keys, beside in ((needs, [law] * (not scene.law.condenses) + moving), (still, moving)):
+        if keys and beside:
+            rule = f"does not work together with {' and '.join(beside)}"
+            raise InputError(keys[0], rule, remedy="leave one of them out")
+    for name in (name for name, body in bodies.items() if not body.feels):
+        rule = f"needs films' stresses, which effects.{name} does not give"
+        if scene.readout.ridges:
+            raise InputError("readout.ridges", rule, scene.readout.ridges, "take readout.ridges = []")
+        for other, part in scene.parts.items():
+            if isinstance(part, Reader) and name in part.needs:
+                raise InputError(f"effects.{other}", rule, remedy=f"leave out effects.{other}")
+    for name, wanted in asks.items():
+        if wanted - scene.law.gives:
+            rule = f"does not work together with {law}"
+            raise InputError(f"effects.{name}", rule, remedy=f"leave out {law}")
     if MASS in scene.asked and scene.plate.mass is None:
         raise InputError("plate.mass", "is missing", remedy="masses count here: give the plate's mass in g")
     if MASS in scene.asked or scene.plate.mass is None:
         return
-    beside = [
-        f"[effects.{name}]"
-        for name, part in scene.parts.items()
-        if isinstance(part, Term) and part.asks & MOVING
-    ]
-    beside += [] if scene.law.swings else [f"[effects.{law}]"]
-    beside += ["a plate that turns"] * any(scene.history.rotation_deg or [])
+    beside = [f"[effects.{name}]" for name in moving] + [f"[effects.{law}]"] * (not scene.law.swings)
+    beside += ["a plate that turns"] * turns
     beside += ["[pin]"] * (skin_of(scene.design).symmetry == "revolved")
     if beside:
         rule = f"does not count beside {' and '.join(beside)}"
@@ -455,30 +467,3 @@ def _check_force(scene: Scene) -> None:
     if MASS not in scene.asked and peak > ridges * ends.largest:
         rule = f"must be at most {ridges * ends.largest:.3g} N: {ends.overload_reason(peak / ridges)}"
         raise InputError("history.normal_force_N", rule, peak, "take smaller forces or a harder silicone")
-
-
-def _check_law(scene: Scene) -> None:
-    """Raise InputError for what only a quasi-static condensed pad knows, with a law or term that has none."""
-    law = next((name for name, part in scene.parts.items() if part is scene.law), LAW)
-    moving = [name for name, part in scene.parts.items() if isinstance(part, Term) and part.asks & MOVING]
-    others = [*([] if scene.law.condenses else [law]), *moving]
-    needs = ["history.rotation_deg"] if any(scene.history.rotation_deg or []) else []
-    needs += [f"readout.{key}" for key in ("steps", "frames") if getattr(scene.readout, key)]
-    bodies = {name: part for name, part in scene.parts.items() if isinstance(part, PadChange)}
-    still = [f"effects.{name}" for name, body in bodies.items() if body.condenses]
-    terms = {name: part.asks for name, part in scene.parts.items() if isinstance(part, Term)}
-    still += [f"effects.{name}" for name, asks in terms.items() if RELIEF in asks]
-    for keys, beside in ((needs, others), (still, moving)):
-        if keys and beside:
-            rule = f"does not work together with {' and '.join(beside)}"
-            raise InputError(keys[0], rule, remedy="leave one of them out")
-    for name, body in bodies.items():
-        if body.feels:
-            continue
-        if scene.readout.ridges:
-            rule = f"needs films' stresses, which effects.{name} does not give"
-            raise InputError("readout.ridges", rule, scene.readout.ridges, "take readout.ridges = []")
-        for other, part in scene.parts.items():
-            if isinstance(part, Reader) and name in part.needs:
-                rule = f"needs films' stresses, which effects.{name} does not give"
-                raise InputError(f"effects.{other}", rule, remedy=f"leave out effects.{other}")
