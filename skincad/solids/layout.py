@@ -212,11 +212,6 @@ def lid_process(design: Design) -> Process:
     return processes(design.printer)[design.mold.lid_process or design.mold.process]
 
 
-def lid_fits(design: Design) -> Fits:
-    """Return the fits of carrier and cover."""
-    return fits(design, design.mold.lid_process or design.mold.process)
-
-
 def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tuple[Layout, list[InputError]]:
     """Return the positions, and an error for every value that leaves a bore no room. `design` is what is
     poured."""

@@ -35,7 +35,7 @@ from skincad.solids.layout import (
     PRESS_PRINT,
     Layout,
     cover_pins,
-    lid_fits,
+    fits,
     lid_process,
 )
 from skincad.solids.pins import MAGNET_PLAY, magnet_diameter, pockets
@@ -415,14 +415,16 @@ def core_pins(design: Design, place: Layout) -> list[Part]:
     ]
 
 
-def screws_of_bone(design: Design, place: Layout) -> list[Part]:
-    """Return the screws that hold a bone, from its holes' ends to the carrier's top, without their heads."""
-    return [
+def backing(design: Design, place: Layout) -> list[Part]:
+    """Return the carrier and what stands in it: core pins, and the screws that hold a bone, from its holes'
+    ends to the carrier's top, without their heads."""
+    screws = [
         Part(
             f"bone-screw-{i}", PartRole.BONE_SCREW, replace(bore, length=bore.length + place.back, role=None)
         )
         for i, (bore, _) in enumerate(bone_screws(design), 1)
     ]
+    return [carrier(design, place), *core_pins(design, place), *screws]
 
 
 def _access(design: Design, low: float, thick: float) -> list[Bore]:
@@ -541,7 +543,7 @@ def cover(design: Design, place: Layout) -> Part:
     """Return the lid: bolts, pins, and over each carrier its reservoir and bleeds. It reaches over the end
     plates: once these are off, it is lifted there."""
     thick, end, low = place.lid, place.cover, place.top
-    press = lid_fits(design).press
+    press = fits(design, design.mold.lid_process or design.mold.process).press
     _, cup, rivets, *_ = openings(design, place)
     bleeds = [_bleed(design, hole) for hole in rivets]
     over = [cup, *drilled(CutRole.BLEED, "z", bleeds, low, thick, _bleed_radius(design))]
