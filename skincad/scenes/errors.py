@@ -30,7 +30,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from skincad.base.arrays import Array, Mask
+from skincad.base.arrays import Array, Index, Mask
 from skincad.base.estimate import Estimate
 from skincad.circuit.state import longest_step
 from skincad.mechanics.contact.state import FrictionCoefficients, law_of
@@ -87,13 +87,11 @@ def unresolved(time: Array, bandwidth: float) -> list[str]:
     ]
 
 
-def slipping_shares(march: March, ridges: int) -> Array:
-    """Return the share of each ridge's touching points that slips `(steps + 1, ridges)`: a ridge slips while
-    all of them do."""
-    of = (march.ridge[:, None] == np.arange(1, ridges + 1)).astype(float)
-    touches, slips = (march.column(name) > 0 for name in ("touches", "slips"))
-    slipping, touching = (points.astype(float) @ of for points in (slips & touches, touches))
-    return np.asarray(slipping / np.maximum(touching, 1.0))
+def slip_by_ridge(touches: Mask, slips: Mask, ridge: Index, ridges: int) -> Mask:
+    """Return `(steps + 1, ridges)`: a ridge slips while all its touching points slip, and some touch."""
+    mine = [ridge == r for r in range(1, ridges + 1)]
+    columns = [touches[:, m].any(axis=1) & (slips | ~touches)[:, m].all(axis=1) for m in mine]
+    return np.stack(columns, axis=1)
 
 
 def intervals(slipping: Mask) -> list[list[int]]:
@@ -102,9 +100,8 @@ def intervals(slipping: Mask) -> list[list[int]]:
     return [[int(a), int(b) - 1] for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def gross_slip_step(march: March) -> int | None:
+def gross_slip_step(touches: Mask, slips: Mask) -> int | None:
     """Return the first index at which every touching point slips, None if there is none."""
-    touches, slips = (march.column(name) > 0 for name in ("touches", "slips"))
     steps = np.flatnonzero(touches.any(axis=1) & (slips | ~touches).all(axis=1))
     return int(steps[0]) if steps.size else None
 
@@ -140,9 +137,12 @@ class Slips:
 def slips_of(march: March, ridges: int, halts: float = 0.0) -> Slips:
     """Return when the ridges slip in a march. Halts of up to that many s do not end a slip: with masses a
     ridge that slips stops for a part of a swing."""
-    slipping = slipping_shares(march, ridges) == 1
+    readings, ridge = march.readings, march.ridge
+    touches = np.array([reading.touches for reading in readings])
+    slips = np.array([reading.slips for reading in readings])
+    slipping = slip_by_ridge(touches, slips, ridge, ridges)
     runs = [without_halts(intervals(column), march.time, halts) for column in slipping.T]
-    gross, last = gross_slip_step(march), len(march.readings) - 1
+    gross, last = gross_slip_step(touches, slips), len(readings) - 1
     steps = [lasting_slip_step(run, gross, last) for run in runs]
     return Slips(slipping, runs, steps, gross)
 
@@ -201,7 +201,9 @@ def near_chosen(*marches: March) -> int:
 
 def _gross(march: March) -> float:
     """When gross slip begins, s; never without it."""
-    gross = gross_slip_step(march)
+    touches = np.array([reading.touches for reading in march.readings])
+    slips = np.array([reading.slips for reading in march.readings])
+    gross = gross_slip_step(touches, slips)
     return np.inf if gross is None else float(march.time[gross])
 
 

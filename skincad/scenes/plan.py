@@ -22,11 +22,12 @@ from typing import Any
 import numpy as np
 
 from skincad.base.adaptivity import overrun, unmet
+from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.effects import INDICATORS, effect
 from skincad.effects.kinds import FRICTIONLESS, RELIEF, Law, LeftOutEffect, PlatePath, SceneOutline
 from skincad.mechanics.fits import unlike
-from skincad.scenes.errors import near_chosen, slipping_shares
+from skincad.scenes.errors import near_chosen
 from skincad.scenes.march import EXPONENT, INTERRUPTED, LEVELS, March, expected
 from skincad.scenes.runs import (
     MarchSetup,
@@ -180,7 +181,7 @@ def _missing(scene: Scene, small: March, tol: float | None) -> dict[str, dict[st
     turns = any(scene.history.rotation_deg or []) or RELIEF in scene.asked
     if named or (moving and tol is None) or not scene.readout.ridges or small.failed or small.interrupted:
         return {}
-    change = {entry.effect: entry.change for entry in left_out_effects(scene, small)}
+    change = {entry.effect: entry.change for entry in left_out_effects(scene, path_of(small))}
     wanted: dict[str, dict[str, Any]] = {}
     if change.get(FINITE_STRAIN, 0.0) > (tol or MATTERS) and not drawn and not turns:
         wanted |= CHOSEN
@@ -315,10 +316,10 @@ def at_finite_strain(runs: Runs) -> Iterator[str]:
         yield f"{words}; the skin stays linear about that step, and what that misses is in the errors"
 
 
-def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
-    """Return the effects that the scene leaves out, the one that matters most first. Where no design that its
-    constants were fitted to is like this one, an estimate is not calibrated."""
-    history, path = scene.history, path_of(march)
+def left_out_effects(scene: Scene, path: PlatePath) -> list[LeftOutEffect]:
+    """Return the effects that a scene leaves out, the one that matters most first, by the path of its march.
+    Where no design that its constants were fitted to is like this one, an estimate is not calibrated."""
+    history = scene.history
     if skin_of(scene.design).symmetry == "revolved":
         from skincad.effects.pin_pad import left_out
 
@@ -348,7 +349,14 @@ def path_of(march: March) -> PlatePath:
         travel=march.column("travel"),
         pressed=normal_loads,
         pulled=pulled,
-        slips=slipping_shares(march, normal_loads.shape[1]),
+        slips=_slipping(march, normal_loads.shape[1]),
         felt=films[:, ::2] - films[:, 1::2],
         area=area,
     )
+
+
+def _slipping(march: March, ridges: int) -> Array:
+    """The share of each ridge's touching points that slips `(steps + 1, ridges)`."""
+    of = (march.ridge[:, None] == np.arange(1, ridges + 1)).astype(float)
+    touches, slips = (march.column(name).astype(float) @ of for name in ("touches", "slips"))
+    return np.asarray(slips / np.maximum(touches, 1.0))

@@ -470,11 +470,6 @@ def friction_cone(scene: Scene) -> FrictionCoefficients:
     return scene.cone or FrictionCoefficients(1.0, 1.0)
 
 
-def _change(left_out: list[LeftOutEffect]) -> float:
-    """The relative change of a ridge's load by all that is left out: taken to be the signals'."""
-    return math.fsum(entry.change for entry in left_out)
-
-
 def shown_signal(time: Array, values: Array, width: float) -> FilteredSignal:
     """Return a stress in a band of `width` Hz. Where the steps don't show that band a corner between two of
     them has rung out by the second: the jerk is each step's mean then."""
@@ -491,8 +486,9 @@ def _simulation(on: MarchSetup, runs: Runs, seconds: dict[str, float]) -> Simula
     raw, width = differential(on.piece, scene, march), scene.readout.bandwidth_Hz
     halts = halts_of(scene)
     slips = slips_of(march, skin_of(scene.design).count, halts)
-    left_out, driven = left_out_effects(scene, march), scene.history.tangential_force_N is None
-    change = _change(left_out)
+    path = path_of(march)
+    left_out, driven = left_out_effects(scene, path), scene.history.tangential_force_N is None
+    change = math.fsum(entry.change for entry in left_out)  # of a ridge's load, taken to be the signals'
     stressed = stress_errors(runs, lambda one: differential(on.piece, scene, one), change, drifted(on, march))
     if raw and "film" not in scene.effects:
         notes = [*notes, "effects.film is not named: the stress shown is the silicone's, in the films' place"]
@@ -500,7 +496,6 @@ def _simulation(on: MarchSetup, runs: Runs, seconds: dict[str, float]) -> Simula
     notes = [*notes, *material_warnings(scene.design)]
     notes = [*notes, *(remark for term in scene.terms for remark in term.remarks(scene.asked))]
     if on.piece is not None:
-        path = path_of(march)
         notes = [*notes, *(remark for term in scene.terms for remark in term.afterwards(path))]
     readings, remarks = read(scene, march, slips, seconds)
     return Simulation(

@@ -186,7 +186,7 @@ def test_what_is_left_out_is_judged_by_what_drives_the_plate_along(
     }
     ridge = np.array([1, 1, 2, 2])
     march = SimpleNamespace(time=np.array([0.0, 1.0]), column=readings.get, loads=loads, ridge=ridge)
-    assert plan.left_out_effects(scene, march) == []  # type: ignore[arg-type]
+    assert plan.left_out_effects(scene, plan.path_of(march)) == []  # type: ignore[arg-type]
     assert seen
     for judged in seen:
         assert judged.ridge_normal == 0.3
