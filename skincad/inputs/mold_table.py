@@ -14,15 +14,19 @@ from skincad.inputs.shipped import NAME
 _FARTHEST = 1000.0  # mm or deg
 _Number = Annotated[float, Field(ge=-_FARTHEST, le=_FARTHEST)]
 Place = Annotated[tuple[_Number, _Number, _Number], Field(strict=False)]
-_A_PROCESS: dict[str, Any] = {"anyOf": [{"enum": list(PROCESSES)}, {"pattern": NAME}]}
+
+
+def _process(description: str, **default: Any) -> Any:
+    """Describe a key that names a process: a shipped one, or one of [printer]."""
+    known: dict[str, Any] = {"anyOf": [{"enum": list(PROCESSES)}, {"pattern": NAME}]}
+    return Field(description=description, json_schema_extra=known, **default)
 
 
 class Mold(Table):
     """The mold that casts the skin, ridges down."""
 
-    process: str = Field(
-        description=f"how cavity and end plates are made: {', '.join(PROCESSES)}, or one of [printer]",
-        json_schema_extra=_A_PROCESS,
+    process: str = _process(
+        f"how cavity and end plates are made: {', '.join(PROCESSES)}, or one of [printer]"
     )
     mount: str | None = Field(
         default=None,
@@ -30,22 +34,15 @@ class Mold(Table):
         "skincad templates grippers lists them, or one of [grippers]",
         pattern=NAME,
     )
-    end_plate_process: str | None = Field(
-        default=None,
-        description="how the end plates are made, if not as the cavity",
-        json_schema_extra=_A_PROCESS,
+    end_plate_process: str | None = _process(
+        "how the end plates are made, if not as the cavity", default=None
     )
-    block_process: str | None = Field(
-        default=None,
-        description="of a round skin: how the block is made, in whose seat the cavity then lies as a disc, "
+    block_process: str | None = _process(
+        "of a round skin: how the block is made, in whose seat the cavity then lies as a disc, "
         "to be turned or printed finer; block and cavity are one piece if not given",
-        json_schema_extra=_A_PROCESS,
-    )
-    lid_process: str | None = Field(
         default=None,
-        description="how carrier and cover are made, if not as the cavity",
-        json_schema_extra=_A_PROCESS,
     )
+    lid_process: str | None = _process("how carrier and cover are made, if not as the cavity", default=None)
     wall: float | None = quantity(
         "mm",
         "block beside the skin; 13, or what two rows of bolts beside the trough need, if not given; "
