@@ -144,7 +144,8 @@ def strain(rng: np.random.Generator, number: int, folding: bool = False) -> tupl
     judge = run(FiniteStrain(), JUDGED, None, judge_scene)
     clock.append(perf_counter())
     count, cone = scene.design.ridge.count, friction_cone(scene)
-    change = next(entry.change for entry in left_out_effects(scene, small) if entry.effect == "finite_strain")
+    entries = left_out_effects(scene, path_of(small))
+    change = next(entry.change for entry in entries if entry.effect == "finite_strain")
     slips = [slips_of(march, count) for march in (small, few, judge)]
     errors = (
         slip_errors(runs, slips[0], change, False, cone).leads,

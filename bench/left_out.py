@@ -75,7 +75,7 @@ def _one(effect: str, without: Scene, left: March, named: March) -> Compared:
 
 
 def _held_to(effect: str, without: Scene, left: March, found: float) -> Compared:
-    entry = next(entry for entry in left_out_effects(without, left) if entry.effect == effect)
+    entry = next(entry for entry in left_out_effects(without, path_of(left)) if entry.effect == effect)
     assert entry.within is not None
     return Compared(effect, entry.change, entry.within, found)
 

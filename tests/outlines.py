@@ -25,6 +25,7 @@ def outline(
     at = np.linspace(0.0, time[-1], steps + 1)
     down, along = np.interp(at, time, normal), np.interp(at, time, pull)
     pressed, pulled = (np.tile(of[:, None] / design.ridge.count, design.ridge.count) for of in (down, along))
-    path = PlatePath(at, down / DOWN, along / ALONG, pressed, pulled, np.zeros_like(pressed), 2 * pulled)
+    none = np.zeros_like(pressed)
+    path = PlatePath(at, down / DOWN, along / ALONG, pressed, pulled, none, 2 * pulled, none)
     scene_outline = SceneOutline(design, time, (normal, pull), path, friction=1.0)
     return replace(scene_outline, **changes)

@@ -30,7 +30,7 @@ def make_up_effects(patch: pytest.MonkeyPatch, *kinds: type) -> None:
     module = ModuleType("made_up")
     for kind in kinds:
         setattr(module, kind.__name__, kind)
-        patch.setitem(effects.EFFECTS, kind.__name__.lower(), effects.Row(f"made_up:{kind.__name__}"))
+        patch.setitem(effects.EFFECTS, kind.__name__.lower(), f"made_up:{kind.__name__}")
     patch.setitem(sys.modules, "made_up", module)
 
 

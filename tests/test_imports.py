@@ -119,7 +119,7 @@ def test_no_modules_import_each_other() -> None:
 
 def test_effects_do_not_know_each_other() -> None:
     """Nor need a new one be named anywhere but in its table, which this reads."""
-    homes = {row.where.partition(":")[0] for row in EFFECTS.values()}
+    homes = {where.partition(":")[0] for where in EFFECTS.values()}
     for home in homes:
         assert arrows()[home] & homes <= {home}
 

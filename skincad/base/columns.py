@@ -61,35 +61,22 @@ _MEGA = ("mN", "MN", "mPa", "MPa", "ms", "Ms", "mV", "MV")  # whose first letter
 
 # What other programs call a quantity, the plainest first: Bluehill, testXpert, TestWorks, LabVIEW's loggers
 NAMES = {
-    "time": ("time", "elapsed time", "zeit"),
-    "force": (
-        "force",
-        "load",
-        "compressive load",
-        "tensile load",
-        "standard force",
-        "kraft",
-        "standardkraft",
-    ),
-    "strain": (
-        *("strain", "engineering strain", "eng strain", "nominal strain", "tensile strain"),
-        *("compressive strain", "strain 1", "dehnung"),
-    ),
-    "stress": (
-        *("stress", "engineering stress", "eng stress", "nominal stress", "tensile stress"),
-        *("compressive stress", "spannung"),
-    ),
-    "extension": (
-        *("extension", "tensile extension", "elongation", "crosshead", "crosshead displacement"),
-        *("displacement", "travel", "standard travel", "weg", "standardweg"),
-    ),
-    "approach": (
-        *("approach", "indentation", "compression", "compressive extension", "compressive displacement"),
-        *("depth", "deflection", "displacement", "travel", "extension", "position", "weg"),
-    ),
-    "crest": ("crest", "crest height"),
-    "frequency": ("frequency", "freq", "f"),
-    "gain": ("gain", "magnitude", "mag"),
+    quantity: tuple(words.split(", "))
+    for quantity, words in {
+        "time": "time, elapsed time, zeit",
+        "force": "force, load, compressive load, tensile load, standard force, kraft, standardkraft",
+        "strain": "strain, engineering strain, eng strain, nominal strain, tensile strain, "
+        "compressive strain, strain 1, dehnung",
+        "stress": "stress, engineering stress, eng stress, nominal stress, tensile stress, "
+        "compressive stress, spannung",
+        "extension": "extension, tensile extension, elongation, crosshead, crosshead displacement, "
+        "displacement, travel, standard travel, weg, standardweg",
+        "approach": "approach, indentation, compression, compressive extension, compressive displacement, "
+        "depth, deflection, displacement, travel, extension, position, weg",
+        "crest": "crest, crest height",
+        "frequency": "frequency, freq, f",
+        "gain": "gain, magnitude, mag",
+    }.items()
 }
 _QUALIFIERS = {"", *(name for names in NAMES.values() for name in names)}  # "Tensile strain (Extension)"
 _BRACKETS = re.compile(r"[(\[{<]([^()\[\]{}<>]*)[)\]}>]")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import errno
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -32,12 +33,7 @@ class _Portable(Exception):  # noqa: N818
     """
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuilt, (type(self), self.args), self.__dict__
-
-
-def _rebuilt(kind: type[_Portable], args: tuple[Any, ...]) -> _Portable:
-    """Return an error of this kind without calling its `__init__`."""
-    return kind.__new__(kind, *args)
+        return copyreg.__newobj__, (type(self), *self.args), self.__dict__  # type: ignore[attr-defined]
 
 
 class InputError(_Portable, ValueError):
@@ -128,8 +124,9 @@ def exhausted(failure: BaseException) -> str:
 
 def together(errors: Sequence[InputError]) -> InputError:
     """Return the first of these errors with the others in its line, `MOST_TOLD` at most."""
-    first, *others = [alone for error in errors[:MOST_TOLD] for alone in (_alone(error), *error.others)]
-    return InputError(first.key, first.rule, first.value, first.remedy, tuple(others[: MOST_TOLD - 1]))
+    broken = (one for error in errors[:MOST_TOLD] for one in (error, *error.others))
+    first, *others = [(one.key, one.rule, one.value, one.remedy) for one in broken]
+    return InputError(*first, tuple(InputError(*rest) for rest in others[: MOST_TOLD - 1]))
 
 
 def refusals(step: Callable[[], object]) -> Iterator[InputError]:
@@ -138,10 +135,6 @@ def refusals(step: Callable[[], object]) -> Iterator[InputError]:
         step()
     except InputError as refused:
         yield refused
-
-
-def _alone(error: InputError) -> InputError:
-    return InputError(error.key, error.rule, error.value, error.remedy)
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:

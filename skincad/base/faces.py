@@ -1,4 +1,4 @@
-"""A room's face: the names that other rooms, tests and benches use, each imported when it is first used."""
+"""What is imported when it is first used, as a room's face: what other rooms, tests and benches use."""
 
 from __future__ import annotations
 
@@ -23,6 +23,12 @@ def face(room: str, table: str) -> tuple[Callable[[str], Any], Callable[[], list
     def get(name: str) -> Any:
         if name not in homes:
             raise AttributeError(f"module '{room}' has no attribute '{name}'")
-        return getattr(import_module(homes[name]), name)
+        return imported(f"{homes[name]}:{name}")
 
     return get, lambda: sorted(homes)
+
+
+def imported(home: str) -> Any:
+    """Return what a module has, as "skincad.outputs.checks:CHECK", imported now."""
+    module, _, name = home.partition(":")
+    return getattr(import_module(module), name)

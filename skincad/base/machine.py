@@ -17,30 +17,6 @@ from scipy.linalg import solve_triangular
 from threadpoolctl import threadpool_limits
 
 
-class _Limit:
-    """The limit that all threads share: BLAS has one number of threads for the whole process."""
-
-    def __init__(self) -> None:
-        self.lock, self.inside = Lock(), 0
-        self.limits: threadpool_limits | None = None
-
-    def enter(self) -> None:
-        """Set the limit, if nobody else has."""
-        with self.lock:
-            if self.limits is None:
-                _ask_for_memory()
-                self.limits = threadpool_limits(limits=1, user_api="blas")
-            self.inside += 1
-
-    def leave(self) -> None:
-        """Restore what was before the first entered, if nobody else is inside."""
-        with self.lock:
-            self.inside -= 1
-            if self.limits is not None and self.inside == 0:
-                self.limits.restore_original_limits()
-                self.limits = None
-
-
 @cache
 def _ask_for_memory() -> None:
     """Let BLAS allocate what it works in, once and before anything large: OpenBLAS asks again for ever for
@@ -49,7 +25,9 @@ def _ask_for_memory() -> None:
         solve(np.eye(2), np.ones(2))
 
 
-_LIMIT = _Limit()
+# BLAS has one number of threads for the whole process: the limit, once for each block that is inside it
+_LOCK = Lock()
+_INSIDE: list[threadpool_limits] = []
 
 
 @contextmanager
@@ -60,11 +38,17 @@ def one_blas_thread() -> Iterator[None]:
     Blocks may nest and overlap between threads: the first to enter sets the limit for the process, the last
     to leave restores what was there before.
     """
-    _LIMIT.enter()
+    with _LOCK:
+        if not _INSIDE:
+            _ask_for_memory()
+        _INSIDE.append(_INSIDE[0] if _INSIDE else threadpool_limits(limits=1, user_api="blas"))
     try:
         yield
     finally:
-        _LIMIT.leave()
+        with _LOCK:
+            limit = _INSIDE.pop()
+            if not _INSIDE:
+                limit.restore_original_limits()
 
 
 LIBRARIES = ("ngsolve", "numpy", "scipy", "cadquery", "manifold3d", "skincad")

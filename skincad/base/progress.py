@@ -43,12 +43,11 @@ def _stages(stages: int) -> Iterator[tuple[Any, Progress | None]]:
     from rich.progress import TextColumn, TimeElapsedColumn
 
     columns = TextColumn("{task.description:14}"), _time_bar(), TimeElapsedColumn(), _seconds_left()
-    with _shown(columns, stages + 1) as (bar, task):
+    with _shown(columns, stages + 1) as (bar, update):
 
         def told(stage: str, left: float | None = None, /) -> None:
-            ends = {} if left is None else {"ends": perf_counter() + left}
-            count = bar.tasks[task].completed + 1
-            bar.update(task, description=stage, completed=count, total=max(stages, count) + 1, **ends)
+            count = bar.tasks[0].completed + 1
+            update(stage, left, completed=count, total=max(stages, count) + 1)
 
         yield bar, told
 
@@ -68,22 +67,24 @@ def step_bar(steps: int) -> Iterator[Tick | None]:
         TimeElapsedColumn(),
         _seconds_left(),
     )
-    with _shown(columns, steps) as (bar, task):
-
-        def told(stage: str, step: int, left: float | None = None, /) -> None:
-            ends = {} if left is None else {"ends": perf_counter() + left}
-            bar.update(task, description=stage, completed=step, **ends)
-
-        yield told
+    with _shown(columns, steps) as (_, update):
+        yield lambda stage, step, left=None, /: update(stage, left, completed=step)
 
 
 @contextmanager
-def _shown(columns: tuple[Any, ...], total: int) -> Iterator[tuple[Any, Any]]:
+def _shown(columns: tuple[Any, ...], total: int) -> Iterator[tuple[Any, Callable[..., None]]]:
+    """A bar, and what is told a stage, the seconds left, and how far the bar has come."""
     from rich.console import Console
     from rich.progress import Progress as Bars
 
     with Bars(*columns, console=Console(stderr=True), transient=True, get_time=perf_counter) as bar:
-        yield bar, bar.add_task("starting", total=total, ends=None)
+        task = bar.add_task("starting", total=total, ends=None)
+
+        def update(stage: str, left: float | None, **done: Any) -> None:
+            ends: dict[str, Any] = {} if left is None else {"ends": perf_counter() + left}
+            bar.update(task, description=stage, **done, **ends)
+
+        yield bar, update
 
 
 def left_in_words(ends: float | None, now: float) -> str:

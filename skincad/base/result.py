@@ -14,7 +14,6 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from functools import cache
-from importlib import import_module
 from pathlib import Path
 from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeVar, cast, dataclass_transform
 
@@ -22,6 +21,7 @@ import numpy as np
 
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
+from skincad.base.faces import imported
 
 MAX_LISTED = 64  # numbers of a list that have a name each; longer ones, over steps, have their ends
 NAMES = ("name", "effect", "rule", "tier")  # keys by which an entry of a list is named
@@ -143,10 +143,7 @@ def declared_items(kind: type) -> tuple[tuple[str, ReportedItem], ...]:
         for name, value in vars(parent).items():
             if isinstance(value, ReportedProperty):
                 listed[name] = value.item
-    place = {
-        **{name: at - len(FIRST) for at, name in enumerate(FIRST)},
-        **{n: at + 1 for at, n in enumerate(LAST)},
-    }
+    place = {name: at for at, name in enumerate((*FIRST, "", *LAST), -len(FIRST))}
     return tuple(sorted(listed.items(), key=lambda entry: place.get(entry[0], 0)))
 
 
@@ -287,12 +284,6 @@ class Presenter(Protocol):
         """Raise InputError for a folder whose files this result must not replace."""
 
 
-def output_named(home: str) -> Any:
-    """Return what outputs/ has there, as "skincad.outputs.checks:CHECK", imported now."""
-    module, _, name = home.partition(":")
-    return getattr(import_module(module), name)
-
-
 class Result(Record):
     """A frozen answer. `shown_by` names the `Presentation` that shows it, imported when it is asked."""
 
@@ -305,7 +296,7 @@ class Result(Record):
 
     def presenter(self) -> Presenter:
         """Return what shows results of this kind."""
-        return cast(Presenter, output_named(self.shown_by))
+        return cast(Presenter, imported(self.shown_by))
 
     def files(self) -> dict[str, Writer]:
         """Return name -> writer; a writer takes the path to write to. `skincad.write` writes them all."""

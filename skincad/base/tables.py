@@ -25,8 +25,8 @@ from skincad.base.errors import MOST_TOLD, InputError, did_you_mean, together
 
 
 def quantity(unit: str, meaning: str, **limits: Any) -> Any:
-    """Describe a float field: its unit and meaning go into the schema and the commented TOML."""
-    return Field(description=meaning, json_schema_extra={"unit": unit}, allow_inf_nan=False, **limits)
+    """Describe a field of numbers: its unit and meaning go into the schema and the commented TOML."""
+    return Field(description=meaning, json_schema_extra={"unit": unit}, **limits)
 
 
 class Table(BaseModel):
@@ -154,13 +154,17 @@ def no_entry(key: str, entries: int = 0, *, of_tables: bool = False) -> InputErr
 
 def unit_of(model: type[BaseModel], path: tuple[str, ...]) -> str:
     """Return the unit of the field at this path, or "" where it has none."""
-    inner: type[BaseModel] = model
-    for key in path[:-1]:
-        inner = table_of(inner, key) or inner  # a name of [printer] is no field
-    field = inner.model_fields.get(path[-1]) if path else None
+    field = _holder(model, path).model_fields.get(path[-1]) if path else None
     extra = field.json_schema_extra if field else None
     unit = extra.get("unit") if isinstance(extra, dict) else None
     return str(unit) if unit and unit != "1" else ""
+
+
+def _holder(model: type[BaseModel], path: tuple[str, ...]) -> type[BaseModel]:
+    """The table model that has the last key of a path, which begins at `model`."""
+    for key in path[:-1]:
+        model = table_of(model, key) or model  # a name of [printer] is no field
+    return model
 
 
 def _telling(errors: list[ErrorDetails]) -> list[ErrorDetails]:
@@ -179,7 +183,9 @@ def _error(model: type[BaseModel], error: ErrorDetails) -> InputError:
     if isinstance(cause, InputError):
         return cause.under(key)
     if error["type"] == "extra_forbidden":
-        return _unknown_key(model, path)
+        return InputError(
+            key, "unknown key", remedy=did_you_mean(path[-1], _holder(model, path).model_fields)
+        )
     if error["type"] == "missing":
         return InputError(key, "is missing", remedy=f"give {key} a value")
     return _wrong_value(model, path, error)
@@ -203,10 +209,3 @@ def _wrong_value(model: type[BaseModel], path: tuple[str, ...], error: ErrorDeta
     if error["type"] == "int_type" and isinstance(value, float) and value.is_integer() and abs(value) < 1e9:
         return InputError(key, f"{rule}, got {value}", remedy=f"write {value:.0f}")  # 9.0 is not to read 9
     return InputError(key, rule + (f" ({unit})" if unit else ""), value)
-
-
-def _unknown_key(model: type[BaseModel], path: tuple[str, ...]) -> InputError:
-    inner: type[BaseModel] = model
-    for key in path[:-1]:
-        inner = table_of(inner, key) or inner
-    return InputError(".".join(path), "unknown key", remedy=did_you_mean(path[-1], inner.model_fields))

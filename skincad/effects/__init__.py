@@ -1,47 +1,39 @@
 """The effects that a scene may name: one file each, one line each, imported when named.
 
-One that `indicates` is also asked what leaving it out would change, so what it computes with is imported
+One of INDICATORS is also asked what leaving it out would change, so what it computes with is imported
 within its methods, not with its file.
 """
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from skincad.base.errors import InputError, did_you_mean
-from skincad.base.faces import face
+from skincad.base.faces import face, imported
 
 if TYPE_CHECKING:
     from skincad.effects.kinds import Effect
 
 
-class Row(NamedTuple):
-    """Module and class of an effect, and whether it says what leaving it out would change."""
-
-    where: str
-    indicates: bool = False
-
-
 EFFECTS = {
-    "film": Row("skincad.effects.film:FilmStrips", indicates=True),
-    "finite_strain": Row("skincad.effects.finite_strain:FiniteStrain", indicates=True),
-    "free_ends": Row("skincad.effects.free_ends:FreeEnds", indicates=True),
-    "friction": Row("skincad.effects.friction:Friction"),
-    "inertia": Row("skincad.effects.inertia:Inertia", indicates=True),
-    "piezo": Row("skincad.effects.piezo:Piezo"),
-    "small_strain": Row("skincad.effects.small_strain:SmallStrain"),
-    "texture": Row("skincad.effects.texture:Texture"),
-    "viscosity": Row("skincad.effects.viscosity:Viscosity"),
+    "film": "skincad.effects.film:FilmStrips",
+    "finite_strain": "skincad.effects.finite_strain:FiniteStrain",
+    "free_ends": "skincad.effects.free_ends:FreeEnds",
+    "friction": "skincad.effects.friction:Friction",
+    "inertia": "skincad.effects.inertia:Inertia",
+    "piezo": "skincad.effects.piezo:Piezo",
+    "small_strain": "skincad.effects.small_strain:SmallStrain",
+    "texture": "skincad.effects.texture:Texture",
+    "viscosity": "skincad.effects.viscosity:Viscosity",
 }
+INDICATORS = ("film", "finite_strain", "free_ends", "inertia")  # say what leaving them out would change
 
 
 def effect(name: str) -> type[Effect]:
     """Import and return the effect of this name; raises InputError for an unknown one."""
     if name not in EFFECTS:
         raise InputError(f"effects.{name}", "unknown effect", remedy=did_you_mean(name, EFFECTS))
-    module, _, kind = EFFECTS[name].where.partition(":")
-    kind_class: type[Effect] = getattr(import_module(module), kind)
+    kind_class: type[Effect] = imported(EFFECTS[name])
     return kind_class
 
 
@@ -55,7 +47,7 @@ __getattr__, __dir__ = face(
     friction: Friction
     inertia: plate_ringing
     kinds: Drift Effect Law LeftOutEffect MASS MOVING MarchedPad Observables PadChange PlatePath RELIEF Reader
-        ReaderContext RidgePath SceneOutline SectionPad Share Step Term share_of
+        ReaderContext SceneOutline Share Step Term share_of
     modal: ModalPad
     moving: MovingPad
     piezo: Chain Piezo SIDES fitted strip_charges

@@ -23,7 +23,6 @@ import numpy as np
 from scipy import linalg
 
 from skincad.base.arrays import Array
-from skincad.base.errors import RefusedError
 from skincad.base.machine import one_blas_thread
 from skincad.effects.kinds import FRICTIONLESS, Discretisation, Drift, Observables, Share, Step
 from skincad.mechanics.bodies.film_field import StripStress
@@ -155,8 +154,6 @@ class ChosenPad:
     def advanced(self, state: ChosenState, step: Step, share: Share) -> ChosenState:
         """Return the state at the step's end, with what masses add. Raises GrossSlip, with the last state,
         and ContactError."""
-        if share.more:
-            raise RefusedError("finite_strain is quasi-static: it takes no share but friction's")
         if step.after.angle:
             raise ContactError("finite_strain takes a plate that keeps its angle")
         cone = share.cone or FRICTIONLESS
@@ -315,13 +312,10 @@ class ChosenPad:
                 cut = replace(tangent, cut=str(failure), at=forces)
                 return self._linear_state(self._steady(replace(before, tangent=cut)), start, end, cone, swing)
             return self._steady(replace(after, tangent=replace(tangent, cut=str(failure), at=forces)))
-        if after is None or self._snapped(after, state):
+        # further from where the tangent has led than a stride, a corner has snapped
+        if after is None or self._intervals(after, self._place(state)) > after.tangent.stride:
             return self._jumped(before, state, after)
         return replace(after, tangent=self._tangent(state, after), distance=0.0, chosen=True)
-
-    def _snapped(self, after: ChosenState, state: FrictionalState) -> bool:
-        """Whether an equilibrium is further from where the tangent has led than a stride."""
-        return self._intervals(after, self._place(state)) > after.tangent.stride
 
     def _intervals(self, state: ChosenState, place: Array) -> float:
         """How far a touching point is at most from places `(2 m,)`, in update intervals."""

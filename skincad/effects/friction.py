@@ -23,7 +23,7 @@ from pydantic import Field, model_validator
 
 from skincad.base.errors import InputError
 from skincad.base.tables import quantity
-from skincad.effects.kinds import RidgePath, Share, Step, Term
+from skincad.effects.kinds import PlatePath, Share, Step, Term
 from skincad.effects.slip_order import flipped
 from skincad.mechanics.contact.state import FrictionCoefficients
 
@@ -116,7 +116,7 @@ class Friction(Term):
         """Return the cone; the same at every step."""
         return Share(self.cone)
 
-    def afterwards(self, path: RidgePath) -> Iterator[str]:
+    def afterwards(self, path: PlatePath) -> Iterator[str]:
         """Warn where another ridge would slip first by another law."""
         by_area = self.law != "coulomb"
         if ridges := flipped(path, by_area):

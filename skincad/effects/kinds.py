@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self, runtime_checkable
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self
 
 import numpy as np
 
@@ -30,7 +30,6 @@ from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
     from skincad.mechanics.bodies.mesh import PadPiece
-    from skincad.mechanics.film.fields import DeformedSection
 
 
 FAINT = 0.1
@@ -67,7 +66,8 @@ class LeftOutEffect(Record):
 class PlatePath:
     """What a march found: at `time` `(n,)` s the plate's `approach` and `travel` `(n,)` mm; of the ridges,
     `(n, ridges)`, the normal force `pressed` and the pull `pulled`, N, to +x, the share of their touching
-    points that `slips`, and S1 - S2 `felt`, MPa, with no ridges where no film is read."""
+    points that `slips`, and S1 - S2 `felt`, MPa, with no ridges where no film is read; and what of them
+    touches, its `area` `(n, ridges)` mm2."""
 
     time: Array
     approach: Array
@@ -76,6 +76,7 @@ class PlatePath:
     pulled: Array
     slips: Array
     felt: Array
+    area: Array
 
     @property
     def signal(self) -> Array:
@@ -144,8 +145,7 @@ class Share:
     is left of the highest modes after a step; `rate` s, the viscous part's stress per strain rate by the
     elastic one's per strain; `relaxing`, pairs of what a modulus is larger at first, relative to the slow
     one, and the time, s, in which it relaxes; `swing`, what masses add at the contact points of a pad that
-    has none; `relief`, how far the plate stays behind its foremost level at places along it, mm; and `more`
-    for a law that knows what to do with it.
+    has none; and `relief`, how far the plate stays behind its foremost level at places along it, mm.
     """
 
     cone: FrictionCoefficients | None = None
@@ -154,7 +154,6 @@ class Share:
     relaxing: tuple[tuple[float, float], ...] = ()
     swing: Swing | None = None
     relief: Callable[[Array], Array] | None = None
-    more: Mapping[str, Any] | None = None
 
     def __add__(self, other: Share) -> Share:
         """Return what two terms add together; of what one of them alone can add, the first's."""
@@ -165,7 +164,6 @@ class Share:
             relaxing=self.relaxing + other.relaxing,
             swing=self.swing or other.swing,
             relief=self.relief or other.relief,
-            more=self.more or other.more,
         )
 
 
@@ -225,17 +223,6 @@ class Observables:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class RidgePath:
-    """What the ridges bore in a march, all `(steps + 1, ridges)`: forces `normal` and `tangential` N, `area`
-    mm2 of what touched, and whether all of that `slips`."""
-
-    normal: Array
-    tangential: Array
-    area: Array
-    slips: Mask
-
-
 class Discretisation(NamedTuple):
     """Of each contact point of a pad its `ridge` `(m,)` and the `area` `(m,)` that it stands for, mm2,
     undeformed; and the number of the pad's free `unknowns`."""
@@ -270,14 +257,6 @@ class MarchedPad(Protocol):
         itself."""
 
 
-@runtime_checkable
-class SectionPad(Protocol):
-    """A marched pad that also tells the whole section's state."""
-
-    def shown(self, state: Any) -> DeformedSection:
-        """Return the whole section in a state, to draw."""
-
-
 class Effect(Table):
     """A table `[effects.<name>]` of a scene; `needs` names the effects that it cannot be without."""
 
@@ -290,7 +269,7 @@ class Effect(Table):
     def left_out(outline: SceneOutline) -> LeftOutEffect | None:  # noqa: ARG004
         """Return what leaving the effect out may change, or None where it cannot matter.
 
-        Only effects whose row of EFFECTS says `indicates` are asked.
+        Only those of INDICATORS are asked.
         """
         return None
 
@@ -354,7 +333,7 @@ class Term(Effect):
         """Yield what to warn of, given all that the scene's terms ask."""
         yield from ()
 
-    def afterwards(self, path: RidgePath) -> Iterator[str]:  # noqa: ARG002
+    def afterwards(self, path: PlatePath) -> Iterator[str]:  # noqa: ARG002
         """Yield what to warn of once a march is known."""
         yield from ()
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.effects.kinds import Discretisation, MarchedPad, Observables, SectionPad, Share, Step
+from skincad.effects.kinds import Discretisation, MarchedPad, Observables, Share, Step
 from skincad.effects.small_strain import CondensedPad
 from skincad.mechanics.contact.state import Drive, GrossSlip, Swing
 from skincad.mechanics.dynamics.modes import Modes, mode_step
@@ -115,7 +115,7 @@ class ModalPad:
 
     def shown(self, state: ModalState) -> DeformedSection:
         """Return the whole section under the contact's forces; what masses add to it is not drawn."""
-        assert isinstance(self.still, SectionPad)
+        assert isinstance(self.still, CondensedPad)
         return self.still.shown(state.still)
 
     def reading(self, before: ModalState, state: ModalState) -> Observables:

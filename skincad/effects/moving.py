@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from skincad.base.errors import RefusedError
 from skincad.effects.kinds import FRICTIONLESS, Discretisation, Observables, Share, Step
 from skincad.mechanics.dynamics.steps import DynamicState, Matter, PadEquations
 
@@ -38,8 +37,6 @@ class MovingPad:
 
     def advanced(self, state: DynamicState, step: Step, share: Share) -> DynamicState:
         """Return the converged state at the step's end."""
-        if share.more:
-            raise RefusedError("small_strain takes no share but friction's, inertia's and viscosity's")
         start, length = replace(state, drive=step.before), step.end - step.start
         return self.pad.step(start, step.after, length, share.cone or FRICTIONLESS, matter_of(step, share))
 

@@ -37,6 +37,7 @@ from skincad.circuit.state import (
     stepper,
 )
 from skincad.effects.kinds import Observables, Reader, ReaderContext
+from skincad.inputs.catalog import named_document
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film as Strip
 from skincad.shape.skin import skin_of
@@ -51,21 +52,11 @@ SIDES = ("S1", "S2")  # of a pair
 SETTLED = 20.0  # delays of the low-pass after which its start has faded, to e^-40
 
 
-LONGEST = 4096  # letters of a path
-
-
 def _circuit(value: Any) -> Circuit:
     """The circuit of a name or a file, or of tables that a scene has in its place."""
-    if isinstance(value, Circuit):
-        return value
-    if isinstance(value, dict):
-        return Circuit(**value)
-    if not isinstance(value, str):
-        raise InputError("", "must be a circuit, or the name of a template or TOML file", value)
-    if len(value) > LONGEST:
-        raise InputError("", f"must have at most {LONGEST} characters", value)
+    circuit = named_document(value, Circuit, "a circuit")
     try:
-        return load_circuit(value)
+        return load_circuit(circuit) if isinstance(circuit, str) else circuit
     except InputError as failure:
         raise InputError("", f"{failure.key}: {failure.rule}", failure.value, failure.remedy) from None
 

@@ -26,8 +26,10 @@ from skincad.inputs.shipped import templates_folder
 from skincad.inputs.silicone import Silicone
 
 OwnTable = Literal["printer", "silicones", "grippers"]
+OWN_TABLES: tuple[OwnTable, ...] = ("printer", "silicones", "grippers")
 Own = str | Path | Mapping[str, Any]  # a TOML file of one's own tables, or the tables
 LARGEST_FILE = 1_000_000  # bytes; a design is a few thousand
+LONGEST_PATH = 4096  # letters
 Kind = Literal["designs", "scenes", "circuits", "studies"]
 KINDS: tuple[Kind, ...] = ("designs", "scenes", "circuits")  # what `new` writes, and studies vary
 # what a file is, and what takes it
@@ -77,6 +79,19 @@ def template_text(name: str, kind: Kind = "designs") -> str:
     return (templates_folder() / kind / f"{name}.toml").read_text("utf-8")
 
 
+def named_document(value: Any, model: type[Document], what: str) -> Any:
+    """Return a document, of its tables where these are given, or the text that names one.
+
+    Raises InputError for anything else; `what` it must be."""
+    if isinstance(value, dict):
+        return model(**value)
+    if not isinstance(value, str | model):
+        raise InputError("", f"must be {what}, or the name of a template or TOML file", value)
+    if isinstance(value, str) and len(value) > LONGEST_PATH:
+        raise InputError("", f"must have at most {LONGEST_PATH} characters", value)
+    return value
+
+
 def kinds_of(name: str) -> list[Kind]:
     """Return the kinds that have a template of this name."""
     return [kind for kind in _MARKS if name in template_names(kind)]
@@ -97,23 +112,18 @@ def load_design(
     a copy of the design means the same without them. `settings` are `table.key=value` with a TOML value, or
     `table=none` to drop an optional table, and come last. Raises InputError with key, rule, value, remedy.
     """
-    own = {"printer": printer, "silicones": silicones, "grippers": grippers}
-    return Design(**design_tables(source, settings, **own))
+    return Design(**design_tables(source, settings, printer=printer, silicones=silicones, grippers=grippers))
 
 
 def design_tables(
-    source: str | Path,
-    settings: list[str] | tuple[str, ...] = (),
-    *,
-    printer: Own | None = None,
-    silicones: Own | None = None,
-    grippers: Own | None = None,
+    source: str | Path, settings: list[str] | tuple[str, ...] = (), **own: Own | None
 ) -> dict[str, Any]:
     """Return the tables of a design that `load_design` makes one of, its files' and settings' in them."""
     folder = Path(source).parent if Path(source).suffix == ".toml" else Path()
     data = _with_bone(read_table(source, "designs"), folder)
-    data = with_own(with_own(data, "printer", printer), "silicones", silicones)
-    return _with_bone(overridden(with_own(data, "grippers", grippers), settings), Path())
+    for table in OWN_TABLES:
+        data = with_own(data, table, own.get(table))
+    return _with_bone(overridden(data, settings), Path())
 
 
 def _with_bone(data: dict[str, Any], folder: Path) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Any, Literal, Self, TypeVar
 from pydantic import ConfigDict, Field, model_validator
 
 from skincad.base.errors import InputError, together
-from skincad.base.result import output_named
+from skincad.base.faces import imported
 from skincad.base.tables import Document, Table, unit_of
 from skincad.inputs import guards
 from skincad.inputs.feature_tables import (
@@ -107,7 +107,7 @@ class Design(Document):
 
     def _repr_html_(self) -> str:
         """The section with its sizes, for a notebook."""
-        drawn: str = output_named("skincad.outputs.drawing.flat:section_html")(self)
+        drawn: str = imported("skincad.outputs.drawing.flat:section_html")(self)
         return drawn
 
     def __hash__(self) -> int:

@@ -20,6 +20,10 @@ LOWEST_CROWN = 1e-9  # mm, of a sphere; a lower one is flat
 HIGHEST = 50.0  # mm, of a feature
 MOST_PINS = 2000
 ONE_HEIGHT: dict[str, Any] = {"oneOf": [{"required": ["height"]}, {"required": ["heights"]}]}
+EACH_HEIGHT: dict[str, Any] = {
+    "unit": "mm",
+    "items": {"type": "number", "exclusiveMinimum": 0, "maximum": HIGHEST},
+}
 A_PITCH: dict[str, Any] = {"anyOf": [{"required": ["pitch"]}, {"properties": {"count": {"const": 1}}}]}
 
 
@@ -61,7 +65,7 @@ class Ridge(Table):
     pocket: ClassVar[Pocket | None] = None  # ridges have slots
     widths: ClassVar[tuple[str, str]] = "root_width", "tip_width"  # the keys of both
 
-    count: int = Field(description="number of ridges", ge=1, le=999, json_schema_extra={"unit": "1"})
+    count: int = quantity("1", "number of ridges", ge=1, le=999)
     pitch: float | None = quantity(
         "mm",
         "axis to axis along the base circle; of one ridge not needed",
@@ -75,10 +79,7 @@ class Ridge(Table):
     heights: Heights | None = Field(
         default=None,
         description="the same of each ridge, the one at the smallest x first, in the place of height",
-        json_schema_extra={
-            "unit": "mm",
-            "items": {"type": "number", "exclusiveMinimum": 0, "maximum": HIGHEST},
-        },
+        json_schema_extra=EACH_HEIGHT,
     )
     levelling: float | None = quantity(
         "1",
@@ -167,18 +168,10 @@ class Pin(Table):
     pitch: float = quantity(
         "mm", "axis to axis along the base; of polar pins from ring to ring", gt=0.0, le=100.0
     )
-    columns: int | None = Field(
-        default=None, description="pins in a row along x", ge=1, le=1000, json_schema_extra={"unit": "1"}
-    )
-    rows: int | None = Field(
-        default=None, description="rows of pins along y", ge=1, le=1000, json_schema_extra={"unit": "1"}
-    )
-    rings: int | None = Field(
-        default=None,
-        description="rings round the middle pin, of a polar pattern",
-        ge=0,
-        le=25,
-        json_schema_extra={"unit": "1"},
+    columns: int | None = quantity("1", "pins in a row along x", ge=1, le=1000, default=None)
+    rows: int | None = quantity("1", "rows of pins along y", ge=1, le=1000, default=None)
+    rings: int | None = quantity(
+        "1", "rings round the middle pin, of a polar pattern", ge=0, le=25, default=None
     )
     margin: float | None = quantity(
         "mm",
@@ -194,10 +187,7 @@ class Pin(Table):
         default=None,
         description="the same of each pin in order, or of each ring of pins from inside out, "
         "in the place of height",
-        json_schema_extra={
-            "unit": "mm",
-            "items": {"type": "number", "exclusiveMinimum": 0, "maximum": HIGHEST},
-        },
+        json_schema_extra=EACH_HEIGHT,
     )
     levelling: float | None = quantity(
         "1",
@@ -262,10 +252,8 @@ class Flat(Table):
 
     family: ClassVar[str] = "flat"
 
-    columns: int = Field(
-        default=1, description="pockets along x", ge=1, le=50, json_schema_extra={"unit": "1"}
-    )
-    rows: int = Field(default=1, description="pockets along y", ge=1, le=50, json_schema_extra={"unit": "1"})
+    columns: int = quantity("1", "pockets along x", ge=1, le=50, default=1)
+    rows: int = quantity("1", "pockets along y", ge=1, le=50, default=1)
     pitch: float | None = quantity(
         "mm", "from pocket to pocket; of one not needed", gt=0.0, le=500.0, default=None
     )
@@ -376,13 +364,9 @@ def _hexagonal(columns: int, rows: int, pitch: float) -> tuple[Place, ...]:
         v, short = (j - (rows - 1) / 2) * _ROW, j % 2
         for i in range(columns - short):
             u = i - (columns - short - 1) / 2
-            found.append(Place(u * pitch, v * pitch, math.floor(_hex_distance(u, v / _ROW) + _SAME)))
+            away = abs(v / _ROW)  # rows; the steps from the middle follow from this and u
+            found.append(Place(u * pitch, v * pitch, math.floor(max(away, abs(u) + away / 2) + _SAME)))
     return tuple(found)
-
-
-def _hex_distance(u: float, row: float) -> float:
-    """Steps from the middle, of a site at u pitches along a row."""
-    return max(abs(row), abs(u) + abs(row) / 2)
 
 
 def _polar(rings: int, pitch: float) -> tuple[Place, ...]:

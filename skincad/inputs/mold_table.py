@@ -14,15 +14,19 @@ from skincad.inputs.shipped import NAME
 _FARTHEST = 1000.0  # mm or deg
 _Number = Annotated[float, Field(ge=-_FARTHEST, le=_FARTHEST)]
 Place = Annotated[tuple[_Number, _Number, _Number], Field(strict=False)]
-_A_PROCESS: dict[str, Any] = {"anyOf": [{"enum": list(PROCESSES)}, {"pattern": NAME}]}
+
+
+def _process(description: str, **default: Any) -> Any:
+    """Describe a key that names a process: a shipped one, or one of [printer]."""
+    known: dict[str, Any] = {"anyOf": [{"enum": list(PROCESSES)}, {"pattern": NAME}]}
+    return Field(description=description, json_schema_extra=known, **default)
 
 
 class Mold(Table):
     """The mold that casts the skin, ridges down."""
 
-    process: str = Field(
-        description=f"how cavity and end plates are made: {', '.join(PROCESSES)}, or one of [printer]",
-        json_schema_extra=_A_PROCESS,
+    process: str = _process(
+        f"how cavity and end plates are made: {', '.join(PROCESSES)}, or one of [printer]"
     )
     mount: str | None = Field(
         default=None,
@@ -30,22 +34,15 @@ class Mold(Table):
         "skincad templates grippers lists them, or one of [grippers]",
         pattern=NAME,
     )
-    end_plate_process: str | None = Field(
-        default=None,
-        description="how the end plates are made, if not as the cavity",
-        json_schema_extra=_A_PROCESS,
+    end_plate_process: str | None = _process(
+        "how the end plates are made, if not as the cavity", default=None
     )
-    block_process: str | None = Field(
-        default=None,
-        description="of a round skin: how the block is made, in whose seat the cavity then lies as a disc, "
+    block_process: str | None = _process(
+        "of a round skin: how the block is made, in whose seat the cavity then lies as a disc, "
         "to be turned or printed finer; block and cavity are one piece if not given",
-        json_schema_extra=_A_PROCESS,
-    )
-    lid_process: str | None = Field(
         default=None,
-        description="how carrier and cover are made, if not as the cavity",
-        json_schema_extra=_A_PROCESS,
     )
+    lid_process: str | None = _process("how carrier and cover are made, if not as the cavity", default=None)
     wall: float | None = quantity(
         "mm",
         "block beside the skin; 13, or what two rows of bolts beside the trough need, if not given; "
@@ -82,13 +79,7 @@ class Mold(Table):
         le=0.5,
         default=0.005,
     )
-    cavities: int = Field(
-        default=1,
-        description="skins side by side along x in one block",
-        ge=1,
-        le=12,
-        json_schema_extra={"unit": "1"},
-    )
+    cavities: int = quantity("1", "skins side by side along x in one block", ge=1, le=12, default=1)
     split: Literal["none", "auto", "tips"] = Field(
         default="none",
         description="auto: the cavity is parted at the summits of ridges that are too undercut to be pulled, "
@@ -161,16 +152,14 @@ class Mold(Table):
         min_length=1,
         max_length=4096,
     )
-    bone_at: Place | None = Field(
-        default=None,
-        description="where the file's origin comes to be, (x, y, z) from the middle of the skin's back, z "
+    bone_at: Place | None = quantity(
+        "mm",
+        "where the file's origin comes to be, (x, y, z) from the middle of the skin's back, z "
         "out of the skin; 0, 0, 0 if not given",
-        json_schema_extra={"unit": "mm"},
-    )
-    bone_turn: Place | None = Field(
         default=None,
-        description="how it is turned about its origin, about x, then y, then z; not if not given",
-        json_schema_extra={"unit": "deg"},
+    )
+    bone_turn: Place | None = quantity(
+        "deg", "how it is turned about its origin, about x, then y, then z; not if not given", default=None
     )
     bone_bond: Literal["primer", "rivets"] | None = Field(
         default=None,
@@ -210,13 +199,7 @@ class HolePattern(Table):
         "and pitch_y; two screws in line where only one of them is given)",
     )
     diameter: float | None = quantity("mm", "of the bolt circle", gt=0.0, le=1000.0, default=None)
-    count: int | None = Field(
-        default=None,
-        description="screws on the circle; 4 if not given",
-        ge=2,
-        le=12,
-        json_schema_extra={"unit": "1"},
-    )
+    count: int | None = quantity("1", "screws on the circle; 4 if not given", ge=2, le=12, default=None)
     angle: float | None = quantity(
         "deg",
         "of the circle's first screw, from +x towards +y; half of the angle between two if not given",
@@ -239,13 +222,13 @@ class HolePattern(Table):
 class Mount(HolePattern):
     """Screws and fiducials on the carrier's top, x and y from its middle as the mold has them."""
 
-    fiducials: int = Field(
-        default=0,
-        description="round dimples for a camera, 3 or 4, so placed that a carrier that is turned is known "
+    fiducials: int = quantity(
+        "1",
+        "round dimples for a camera, 3 or 4, so placed that a carrier that is turned is known "
         "from one that is not; 0 for none",
         ge=0,
         le=4,
-        json_schema_extra={"unit": "1"},
+        default=0,
     )
     fiducial_diameter: float = quantity("mm", "of a dimple", ge=0.3, le=10.0, default=1.0)
     fiducial_depth: float = quantity("mm", "of a dimple", ge=0.1, le=2.0, default=0.5)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from functools import cache
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -21,6 +21,11 @@ from skincad.inputs.shipped import check_names, table_text
 PROCESSES = tuple(tomllib.loads(table_text("processes")))
 
 
+def _limit(unit: str, meaning: str, most: float) -> Any:
+    """Describe a limit of a process, at most `most`; 0 where it has none."""
+    return quantity(unit, meaning, ge=0.0, le=most, default=0.0)
+
+
 class Process(SparseTable):
     """Limits of a process; 0 where it has no such limit."""
 
@@ -29,12 +34,10 @@ class Process(SparseTable):
         description="the shipped process that a new one takes all other values from",
         json_schema_extra={"enum": [*PROCESSES, None]},
     )
-    gap: float = quantity("mm", "narrowest groove or slit", ge=0.0, le=100.0, default=0.0)
-    wall: float = quantity("mm", "thinnest tooth or wall", ge=0.0, le=100.0, default=0.0)
-    hole: float = quantity("mm", "smallest diameter of a round hole", ge=0.0, le=100.0, default=0.0)
-    clearance: float = quantity(
-        "mm", "least gap per side at which parts slide into each other", ge=0.0, le=10.0, default=0.0
-    )
+    gap: float = _limit("mm", "narrowest groove or slit", 100.0)
+    wall: float = _limit("mm", "thinnest tooth or wall", 100.0)
+    hole: float = _limit("mm", "smallest diameter of a round hole", 100.0)
+    clearance: float = _limit("mm", "least gap per side at which parts slide into each other", 10.0)
     tolerance: float = quantity("mm", "a surface comes out within ± this", gt=0.0, le=10.0, default=0.1)
     growth: float = quantity(
         "mm",
@@ -48,28 +51,18 @@ class Process(SparseTable):
         description="what shapes: a mill or a lathe, which come from above, a wire, which is straight, "
         "a screen, whose pixels are whole, or none",
     )
-    tool_radius: float = quantity(
-        "mm", "of a ball-end mill, a turning tool's nose or a wire", ge=0.0, le=100.0, default=0.0
+    tool_radius: float = _limit("mm", "of a ball-end mill, a turning tool's nose or a wire", 100.0)
+    spark_gap: float = _limit("mm", "between wire and work", 10.0)
+    groove_ratio: float = _limit("1", "deepest groove by the tool's diameter", 1000.0)
+    tooth_ratio: float = _limit("1", "height of a free tooth by its width", 1000.0)
+    pixel: float = _limit("mm", "finest detail in a layer's plane", 10.0)
+    layer: float = _limit("mm", "height of a layer", 10.0)
+    coating: float = _limit(
+        "mm", "of what seals its parts against platinum silicone, where they keep that from curing", 1.0
     )
-    spark_gap: float = quantity("mm", "between wire and work", ge=0.0, le=10.0, default=0.0)
-    groove_ratio: float = quantity(
-        "1", "deepest groove by the tool's diameter", ge=0.0, le=1000.0, default=0.0
-    )
-    tooth_ratio: float = quantity("1", "height of a free tooth by its width", ge=0.0, le=1000.0, default=0.0)
-    pixel: float = quantity("mm", "finest detail in a layer's plane", ge=0.0, le=10.0, default=0.0)
-    layer: float = quantity("mm", "height of a layer", ge=0.0, le=10.0, default=0.0)
-    coating: float = quantity(
-        "mm",
-        "of what seals its parts against platinum silicone, where they keep that from curing",
-        ge=0.0,
-        le=1.0,
-        default=0.0,
-    )
-    build_x: float = quantity(
-        "mm", "build volume of the machine, the longer side", ge=0.0, le=1e5, default=0.0
-    )
-    build_y: float = quantity("mm", "the shorter side", ge=0.0, le=1e5, default=0.0)
-    build_z: float = quantity("mm", "and its height", ge=0.0, le=1e5, default=0.0)
+    build_x: float = _limit("mm", "build volume of the machine, the longer side", 1e5)
+    build_y: float = _limit("mm", "the shorter side", 1e5)
+    build_z: float = _limit("mm", "and its height", 1e5)
     thread: Literal["tapped", "heat-set", "glued"] = Field(
         default="tapped",
         description="how its parts get an M3 thread: cut in, or by an insert that is melted or glued in",
@@ -80,9 +73,7 @@ class Process(SparseTable):
     overhang: float = quantity(
         "deg", "steepest overhang without support, from the vertical", ge=0.0, le=90.0, default=90.0
     )
-    bridge: float = quantity(
-        "mm", "widest horizontal hole that needs no support", ge=0.0, le=1000.0, default=0.0
-    )
+    bridge: float = _limit("mm", "widest horizontal hole that needs no support", 1000.0)
     orientation: Literal["flat", "end"] = Field(
         default="flat", description="how a cavity is printed: flat (ridges' grooves up) or on its y end"
     )
@@ -92,9 +83,7 @@ class Process(SparseTable):
     chord: float = quantity(
         "mm", "how far a print mesh may leave the true surface", gt=0.0, le=10.0, default=0.01
     )
-    roughness: float = quantity(
-        "um", "Ra of faces as the process leaves them, which silicone copies", ge=0.0, le=1000.0, default=0.0
-    )
+    roughness: float = _limit("um", "Ra of faces as the process leaves them, which silicone copies", 1000.0)
     crest_sigma: float = quantity(
         "mm", "standard deviation of a cast ridge's crest height", ge=0.0, le=10.0, default=0.01
     )
@@ -115,18 +104,12 @@ class Process(SparseTable):
     )
     material: str = Field(default="", description="what its parts are made of", max_length=60)
     density: float = quantity("g/cm3", "of filament, cured resin or stock", gt=0.0, le=30.0, default=1.0)
-    price: float = quantity("EUR/kg", "of filament, resin or stock", ge=0.0, le=1e5, default=0.0)
-    rate: float = quantity("EUR/h", "of the machine, with who runs it", ge=0.0, le=1e4, default=0.0)
-    setup: float = quantity(
-        "min",
-        "to set up a plate of prints, or a part in a machine, and to finish it; in the cost alone",
-        ge=0.0,
-        le=1e4,
-        default=0.0,
+    price: float = _limit("EUR/kg", "of filament, resin or stock", 1e5)
+    rate: float = _limit("EUR/h", "of the machine, with who runs it", 1e4)
+    setup: float = _limit(
+        "min", "to set up a plate of prints, or a part in a machine, and to finish it; in the cost alone", 1e4
     )
-    waste: float = quantity(
-        "1", "material lost by the mass that is estimated; in the cost alone", ge=0.0, le=10.0, default=0.0
-    )
+    waste: float = _limit("1", "material lost by the mass that is estimated; in the cost alone", 10.0)
     mass_error: float = quantity(
         "1", "share by which an estimated mass may be off", ge=0.0, le=1.0, default=0.1
     )
@@ -137,19 +120,9 @@ class Process(SparseTable):
         "1", "share by which price and rate may be off", ge=0.0, le=1.0, default=0.5
     )
     line: float = quantity("mm", "width of a line of filament", gt=0.0, le=10.0, default=0.45)
-    loops: int = Field(
-        default=3,
-        description="lines of filament round each layer",
-        ge=1,
-        le=1000,
-        json_schema_extra={"unit": "1"},
-    )
-    shells: int = Field(
-        default=4,
-        description="layers that are filled solid under a top and over a bottom",
-        ge=0,
-        le=1000,
-        json_schema_extra={"unit": "1"},
+    loops: int = quantity("1", "lines of filament round each layer", ge=1, le=1000, default=3)
+    shells: int = quantity(
+        "1", "layers that are filled solid under a top and over a bottom", ge=0, le=1000, default=4
     )
     infill: float = quantity("1", "share of the rest that is filled", ge=0.0, le=1.0, default=1.0)
     outer_speed: float = quantity("mm/s", "of the outermost line", gt=0.0, le=1e4, default=25.0)
@@ -158,30 +131,18 @@ class Process(SparseTable):
     first_speed: float = quantity("mm/s", "of all lines of the first layer", gt=0.0, le=1e4, default=20.0)
     travel_speed: float = quantity("mm/s", "from a line to the next", gt=0.0, le=1e4, default=180.0)
     acceleration: float = quantity("mm/s2", "of the nozzle", gt=0.0, le=1e6, default=1000.0)
-    exposure: float = quantity("s", "of a layer of resin", ge=0.0, le=1e4, default=0.0)
-    first_exposure: float = quantity("s", "of each of the first layers", ge=0.0, le=1e4, default=0.0)
-    first_layers: int = Field(
-        default=3, description="that are exposed so long", ge=0, le=1000, json_schema_extra={"unit": "1"}
-    )
-    fading: int = Field(
-        default=10,
-        description="layers from that exposure to the usual one",
-        ge=0,
-        le=1000,
-        json_schema_extra={"unit": "1"},
-    )
-    lift: float = quantity("s", "from a layer's exposure to the next one's", ge=0.0, le=1e4, default=0.0)
-    allowance: float = quantity(
-        "mm", "by which stock is larger than its part, on each side", ge=0.0, le=1000.0, default=0.0
-    )
-    removal_rate: float = quantity(
-        "mm3/min", "of roughing; 0: what is cut off comes off in one piece", ge=0.0, le=1e7, default=0.0
-    )
+    exposure: float = _limit("s", "of a layer of resin", 1e4)
+    first_exposure: float = _limit("s", "of each of the first layers", 1e4)
+    first_layers: int = quantity("1", "that are exposed so long", ge=0, le=1000, default=3)
+    fading: int = quantity("1", "layers from that exposure to the usual one", ge=0, le=1000, default=10)
+    lift: float = _limit("s", "from a layer's exposure to the next one's", 1e4)
+    allowance: float = _limit("mm", "by which stock is larger than its part, on each side", 1000.0)
+    removal_rate: float = _limit("mm3/min", "of roughing; 0: what is cut off comes off in one piece", 1e7)
     finish_rate: float = quantity("mm2/min", "of faces, all passes", gt=0.0, le=1e6, default=100.0)
     fine_rate: float = quantity(
         "mm2/min", "of the skin's negative and of notches, all passes", gt=0.0, le=1e6, default=10.0
     )
-    hole_time: float = quantity("min", "of a hole, with its thread or fit", ge=0.0, le=1e4, default=0.0)
+    hole_time: float = _limit("min", "of a hole, with its thread or fit", 1e4)
 
     @property
     def reach(self) -> float:

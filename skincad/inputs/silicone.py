@@ -17,6 +17,7 @@ from pydantic import (
     AfterValidator,
     BeforeValidator,
     Field,
+    GetPydanticSchema,
     SerializeAsAny,
     model_validator,
 )
@@ -68,14 +69,13 @@ def _law(table: Any) -> Any:
     return law_of(table) if isinstance(table, dict) else table
 
 
-class _Kinds:
+def _kinds(*_: object) -> dict[str, Any]:
     """What an editor may offer in a law's table: one object a kind, each imported when that is asked."""
-
-    def __get_pydantic_json_schema__(self, *_: object) -> dict[str, Any]:
-        return {"oneOf": [law(kind).model_json_schema() for kind in LAWS]}
+    return {"oneOf": [law(kind).model_json_schema() for kind in LAWS]}
 
 
-Law = Annotated[SerializeAsAny[Rubber], BeforeValidator(_law), _Kinds()]
+_SCHEMA = GetPydanticSchema(get_pydantic_json_schema=_kinds)
+Law = Annotated[SerializeAsAny[Rubber], BeforeValidator(_law), _SCHEMA]
 
 
 class StiffnessSource(SparseTable):
@@ -110,10 +110,10 @@ class Silicone(SparseTable):
     based_on: str | None = Field(
         default=None, description="the shipped silicone that a new one takes all other values from"
     )
-    young_modulus: Modulus = Field(
+    young_modulus: Modulus = quantity(
+        "MPa",
+        "small strain; a number, or {value, low, high}",
         default=NumberWithRange(value=1.0, low=1.0, high=1.0),
-        description="small strain; a number, or {value, low, high}",
-        json_schema_extra={"unit": "MPa"},
     )
     law: Law | None = Field(
         default=None, description="at large strain: its kind and constants; neo-Hooke's if not given"

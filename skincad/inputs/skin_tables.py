@@ -150,10 +150,8 @@ class Material(Table):
     name: str | None = Field(
         default=None, description="a silicone that ships, or one of [silicones]", max_length=64
     )
-    young_modulus: Modulus | None = Field(
-        default=None,
-        description="small strain; a number, or {value, low, high}",
-        json_schema_extra={"unit": "MPa"},
+    young_modulus: Modulus | None = quantity(
+        "MPa", "small strain; a number, or {value, low, high}", default=None
     )
     poisson_ratio: float | None = quantity(
         "1", "nearly incompressible; the named silicone's if not given", ge=0.0, le=0.4999999, default=None

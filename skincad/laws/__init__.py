@@ -13,11 +13,10 @@ True
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from skincad.base.errors import InputError, did_you_mean
-from skincad.base.faces import face
+from skincad.base.faces import face, imported
 
 if TYPE_CHECKING:
     from skincad.laws.gent import Gent as Gent
@@ -41,8 +40,7 @@ def law(kind: str) -> type[Rubber]:
     if kind not in LAWS:
         remedy = did_you_mean(kind, LAWS) or f"take one of {', '.join(LAWS)}"
         raise InputError("kind", "unknown law", kind, remedy)
-    module, _, name = LAWS[kind].partition(":")
-    law_class: type[Rubber] = getattr(import_module(module), name)
+    law_class: type[Rubber] = imported(LAWS[kind])
     return law_class
 
 

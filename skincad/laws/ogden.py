@@ -12,6 +12,7 @@ from pydantic import Field
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
+from skincad.base.tables import quantity
 from skincad.laws.rubber import Candidate, Rubber
 
 MOST_TERMS = 6  # assumption: CalculiX has four, and no fit of a bar knows more than three
@@ -26,8 +27,8 @@ class Ogden(Rubber):
     """Two constants a term."""
 
     kind: Literal["ogden"] = Field(default="ogden", description="which law")
-    mu: Terms = Field(description="of each term; in sum the shear modulus", json_schema_extra={"unit": "MPa"})
-    alpha: Terms = Field(description="power of each term", json_schema_extra={"unit": "1"})
+    mu: Terms = quantity("MPa", "of each term; in sum the shear modulus")
+    alpha: Terms = quantity("1", "power of each term")
 
     def own_rules(self) -> None:
         """Raise InputError for terms that lack a number, and powers out of range."""

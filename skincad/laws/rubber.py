@@ -21,7 +21,8 @@ from pydantic import Field, model_validator
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
-from skincad.base.result import Figure, output_named, with_picture
+from skincad.base.faces import imported
+from skincad.base.result import Figure, with_picture
 from skincad.base.tables import Table, unit_of
 
 # Stretches of a bar between which a law must pull the more the longer the bar is. Assumption: a ridge's root
@@ -123,7 +124,7 @@ class Rubber(Table):
 
     def figure(self) -> Figure:
         """Return the matplotlib figure of stress and tangent modulus against stretch."""
-        figure: Figure = output_named("skincad.outputs.figures.results:law_figure")(self)
+        figure: Figure = imported("skincad.outputs.figures.results:law_figure")(self)
         return figure
 
     def _repr_html_(self) -> str:

@@ -37,7 +37,14 @@ from skincad.inputs.measurements import (
     press_curve,
 )
 from skincad.material.pad import PadCurve, fit_curve, small_strain_curve, tare
-from skincad.material.press_model import SCALE_ERROR, PressModel, good_curve, press_model, refuse_design
+from skincad.material.press_model import (
+    SCALE_ERROR,
+    PressModel,
+    good_curve,
+    press_model,
+    refuse_design,
+    under_flat_plate,
+)
 
 FORCE_ERROR, APPROACH_ERROR = 0.05, 0.02  # N and mm, of a kitchen scale and a screw
 KINDS = {
@@ -185,7 +192,7 @@ def model_for(design: Design, curve: PressCurve, clock: Stopwatch) -> tuple[Pres
 
     Raises InputError for forces beyond the model's range, and rows in other units.
     """
-    first = small_strain_curve(_flat(design), silicone(design).young_modulus.value, clock)
+    first = small_strain_curve(under_flat_plate(design), silicone(design).young_modulus.value, clock)
     curve = usable(curve, first)
     largest = float(curve.force.max())
     if largest > first.force[-1]:
@@ -212,12 +219,6 @@ def usable(curve: PressCurve, good: PadCurve) -> PressCurve:
         curve = replace(curve, force=curve.force - level, notes=(*curve.notes, note))
     _refuse_units(curve, good)
     return curve
-
-
-def _flat(design: Design) -> Design:
-    return (
-        design if design.contact.plate.shape == "flat" else design.with_(contact={"plate": {"shape": "flat"}})
-    )
 
 
 def _refuse_units(curve: PressCurve, good: PadCurve) -> None:
@@ -292,14 +293,16 @@ def _hypotheses(models: Sequence[PressModel], largest: float) -> dict[str, _Hypo
     least = CREST_FAULT * model.height
     warps, tilts = _between(model.warps, least), _between(model.tilts, least)
     shapes = ["bend"] * warps.size + ["tilt"] * tilts.size
-    profiles = [np.concatenate([_at(m.warps, m.warp, warps), _at(m.tilts, m.tilt, tilts)]) for m in models]
+    profiles = [
+        np.hstack([_sampled(m.warps, m.warp.T, warps), _sampled(m.tilts, m.tilt.T, tilts)]).T for m in models
+    ]
     sizes = np.concatenate([warps, tilts])
     add("crests", sizes, shapes, profiles, np.zeros(sizes.size))
     lacks = _between(model.missing, RIDGE_FAULT * model.height)
     told = max(models, key=lambda m: len(m.numbers))  # the one that tells a ridge from its image, if any
     ridges = [
         np.vstack(
-            [_at(m.missing, m.without(number), lacks) for number in told.numbers]
+            [_sampled(m.missing, m.without(number).T, lacks).T for number in told.numbers]
             + [m.without_two(pair)[None] for pair in told.pairs]
         )
         for m in models
@@ -329,13 +332,6 @@ def _between(sizes: Array, least: float) -> Array:
     signs = [sizes[sizes < 0], sizes[sizes > 0]]
     parts = [np.sign(s[0]) * np.geomspace(least, abs(s).max(), SIZES) for s in signs if s.size]
     return np.sort(np.concatenate(parts))
-
-
-def _at(solved: Array, tables: Array, sizes: Array) -> Array:
-    """Curves `(t, k)` mm at `sizes` `(t,)` between the `solved` ones."""
-    after = np.clip(np.searchsorted(solved, sizes), 1, solved.size - 1)
-    share = (sizes - solved[after - 1]) / (solved[after] - solved[after - 1])
-    return np.asarray((1 - share)[:, None] * tables[after - 1] + share[:, None] * tables[after])
 
 
 def log_likelihood(
@@ -371,10 +367,10 @@ def log_likelihood(
     return value, misfit, zero
 
 
-def _sampled(force: Array, tables: Array, at: Array) -> Array:
-    """Tables `(t, k)` mm over `force` `(k,)` N at forces `(n,)`, straight on beyond the last."""
-    after = np.clip(np.searchsorted(force, at), 1, force.size - 1)
-    share = (at - force[after - 1]) / (force[after] - force[after - 1])
+def _sampled(known: Array, tables: Array, at: Array) -> Array:
+    """Tables `(t, k)` mm over forces N or sizes mm `(k,)` at others `(n,)`, straight on beyond the last."""
+    after = np.clip(np.searchsorted(known, at), 1, known.size - 1)
+    share = (at - known[after - 1]) / (known[after] - known[after - 1])
     return np.asarray((1 - share) * tables[:, after - 1] + share * tables[:, after])
 
 

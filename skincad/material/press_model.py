@@ -110,9 +110,14 @@ def refuse_design(design: Design) -> None:
         raise InputError("contact.plate.shape", "must be flat or tilted", design.contact.plate.shape, remedy)
 
 
+def under_flat_plate(design: Design) -> Design:
+    """Return the design, pressed by a flat plate."""
+    return design.with_(contact={"plate": Plate()}) if design.contact.plate.shape != "flat" else design
+
+
 def good_curve(design: Design, largest: float, clock: Stopwatch) -> PadCurve:
     """Return a good part's curve under a flat plate up to `largest` N, in the design's own modulus."""
-    flat = design.with_(contact={"plate": Plate()}) if design.contact.plate.shape != "flat" else design
+    flat = under_flat_plate(design)
     curve = small_strain_curve(flat, silicone(design).young_modulus.value, clock)
     return finite_strain_curve(curve, flat, largest, clock)
 

@@ -16,7 +16,6 @@ from skincad.inputs.catalog import Kind, load_design, template_names, template_t
 from skincad.inputs.design import Design
 from skincad.inputs.shipped import templates_folder
 from skincad.shape.skin import skin_of
-from skincad.solids.pins import pocket_of
 
 HEADS = ("ridges", "size, mm", "detail", "mold by", "silicone", "all touch")
 
@@ -34,7 +33,7 @@ def purpose(name: str, kind: Kind = "designs") -> str:
 
 def smallest_detail(design: Design) -> tuple[float, str]:
     """Return the narrowest groove, tooth or slot of a mold, mm, and which it is."""
-    skin, pocket = skin_of(design), pocket_of(design)
+    skin, pocket = skin_of(design), design.features.pocket
     if skin.symmetry == "none":
         return (pocket.diameter, "pocket") if pocket else (skin.base.width, "skin")
     details = [skin.groove(), *([tooth] if (tooth := skin.tooth()) else [])]

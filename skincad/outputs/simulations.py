@@ -16,7 +16,6 @@ from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
 from skincad.circuit.bode import CircuitGain, told_rig
 from skincad.circuit.network import PICO, capacitance, netlist
-from skincad.effects.kinds import SectionPad
 from skincad.outputs.delivery import Presentation, text
 from skincad.scenes.march import GROSS_SLIP, frames
 from skincad.scenes.plan import (
@@ -99,10 +98,12 @@ def _section_steps(simulation: Simulation) -> list[int]:
 
 
 def _moment(simulation: Simulation, step: int) -> Moment:
+    from skincad.effects.modal import ModalPad
+    from skincad.effects.small_strain import CondensedPad
     from skincad.outputs.figures.stress import Moment
 
     march = simulation.march
-    assert isinstance(march.pad, SectionPad)  # the scene was checked for it
+    assert isinstance(march.pad, CondensedPad | ModalPad)  # the scene was checked for it
     reading = march.readings[step]
     forces = f"{reading.normal:.2f} N normal, {reading.tangential:.2f} N tangential"
     title = f"{simulation.scene.name}: step {step}, {1e3 * march.time[step]:.4g} ms, {forces}"

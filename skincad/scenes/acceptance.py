@@ -48,8 +48,6 @@ from skincad.scenes.strip_assignment import (
     SignalModel,
     align,
     assign,
-    best_gain,
-    best_score,
     cell_means,
     signal_model,
 )
@@ -295,7 +293,7 @@ def _refined(model: SignalModel, time: Array, volts: Array, start: Alignment) ->
     court = Judge(model, noise, size)
 
     def score(at: Alignment) -> float:
-        return best_score(court.likelihoods(parts_at(at)[0], _hum(model, at.delay, at.speed)))
+        return assign(court.likelihoods(parts_at(at)[0], _hum(model, at.delay, at.speed))).score
 
     cell = start.speed * float(np.diff(model.edges).min())
     best, shift, by = Alignment(start.delay, start.speed, score(start)), cell, 0.02
@@ -309,7 +307,7 @@ def _refined(model: SignalModel, time: Array, volts: Array, start: Alignment) ->
         if not moved:
             shift, by = shift / 2, by / 2
     parts, waves = parts_at(best)[0], _hum(model, best.delay, best.speed)
-    fine = best_gain(court.likelihoods(parts, waves)) * FINE
+    fine = assign(court.likelihoods(parts, waves)).likeliest * FINE
     answer = assign(Judge(model, noise, size, fine).likelihoods(parts, waves))
     return RecordingFit(model, best, parts, noise, waves, answer)
 
@@ -385,9 +383,8 @@ def _hum(model: SignalModel, delay: float, speed: float) -> Array:
 def _state(fit: RecordingFit, shown: Posterior, strips: Sequence[Strip], c: int, pull: bool) -> StripState:
     """What a channel shows in a press, and in a `pull` after it."""
     channel = shown.channels[c]
-    name, other, _ = channel.states[0]
-    chance = channel.probabilities[0]
-    mutual = other is None or shown.channels[other].states[0][:2] == (SWAPPED, c)
+    (name, other, _), chance = channel[0]
+    mutual = other is None or shown.channels[other][0][0][:2] == (SWAPPED, c)
     told = chance >= (SURE if mutual else LONE_SWAP) and name in (WORKS, REVERSED, DEAD, WEAK_STATE, SWAPPED)
     if not pull and other is not None and _crossed(shown, strips, strips[c][0], strips[other][0]):
         told = False
@@ -414,14 +411,14 @@ def _crossed(shown: Posterior, strips: Sequence[Strip], ridge: int, other: int) 
     """Whether the channels of a ridge show those of another crosswise, S1 as S2 and S2 as S1: in a press a
     crest that is lower than its mirror image does the same."""
     own = (channel for (of, _), channel in zip(strips, shown.channels, strict=True) if of == ridge)
-    seen = [channel.states[0][1] for channel in own]
+    seen = [channel[0][0][1] for channel in own]
     crosswise = [(other, "S2"), (other, "S1")]
     return ridge != other and [None if i is None else strips[i] for i in seen] == crosswise
 
 
 def _words(channel: ChannelStates, rank: int, strips: Sequence[Strip]) -> str:
     """A state in words."""
-    name, other, sign = channel.states[rank]
+    name, other, sign = channel[rank][0]
     if other is None:
         return name
     return f"swapped with {strip_name(strips[other])}" + ", reversed" * (sign < 0)

@@ -8,7 +8,6 @@ process. Draws are those of one seed, so the same scene gives the same predictio
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -129,7 +128,9 @@ def varied(scene: Scene, draw: np.random.Generator) -> Scene:
     """Return the scene with friction and crests drawn within their tolerances."""
     effects: dict[str, Any] = {}
     if "friction" in scene.effects:
-        effects["friction"] = _scaled_friction(scene.effects["friction"], draw.uniform(1 - LOOSE, 1 + LOOSE))
+        friction, by = scene.effects["friction"], draw.uniform(1 - LOOSE, 1 + LOOSE)
+        keys = (key for key in ("coefficient", "kinetic", "shear_stress") if friction.get(key) is not None)
+        effects["friction"] = {**friction, **{key: friction[key] * by for key in keys}}
     heights = np.array(scene.design.heights)
     heights = heights + draw.normal(0.0, spread_of(scene.design).crest_sigma, heights.size)
     return scene.with_(skin=with_heights(scene.design, heights.tolist()), effects=effects)
@@ -144,12 +145,6 @@ def modulus_range(design: Design) -> tuple[float, float, float]:
 def with_modulus(scene: Scene, modulus: float) -> Scene:
     """Return the scene on a skin of another modulus, MPa."""
     return scene.with_(skin=scene.design.with_(material={"young_modulus": modulus, "law": None}))
-
-
-def _scaled_friction(table: Mapping[str, Any], by: float) -> dict[str, Any]:
-    """A friction table with its coefficients and shear stress times a factor."""
-    keys = ("coefficient", "kinetic", "shear_stress")
-    return {**table, **{key: table[key] * by for key in keys if table.get(key) is not None}}
 
 
 def _outputs(run: Simulation, strips: tuple[Strip, ...]) -> Array:

@@ -231,11 +231,6 @@ class _Path:
         self.kept = {at: state for at, state in self.kept.items() if at <= step}
 
 
-def kept_steps(scene: Scene) -> frozenset[int]:
-    """Return the steps whose state is kept: named ones, and an animation's."""
-    return frozenset({*scene.readout.steps, *frames(scene)})
-
-
 def frames(scene: Scene) -> list[int]:
     """Return the steps of an animation, evenly over the history's time."""
     even = scene.history.even

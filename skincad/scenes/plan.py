@@ -24,7 +24,7 @@ import numpy as np
 from skincad.base.adaptivity import overrun, unmet
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
-from skincad.effects import EFFECTS, effect
+from skincad.effects import INDICATORS, effect
 from skincad.effects.kinds import FRICTIONLESS, RELIEF, Law, LeftOutEffect, PlatePath, SceneOutline
 from skincad.mechanics.fits import unlike
 from skincad.scenes.errors import near_chosen
@@ -181,7 +181,7 @@ def _missing(scene: Scene, small: March, tol: float | None) -> dict[str, dict[st
     turns = any(scene.history.rotation_deg or []) or RELIEF in scene.asked
     if named or (moving and tol is None) or not scene.readout.ridges or small.failed or small.interrupted:
         return {}
-    change = {entry.effect: entry.change for entry in left_out_effects(scene, small)}
+    change = {entry.effect: entry.change for entry in left_out_effects(scene, path_of(small))}
     wanted: dict[str, dict[str, Any]] = {}
     if change.get(FINITE_STRAIN, 0.0) > (tol or MATTERS) and not drawn and not turns:
         wanted |= CHOSEN
@@ -316,10 +316,10 @@ def at_finite_strain(runs: Runs) -> Iterator[str]:
         yield f"{words}; the skin stays linear about that step, and what that misses is in the errors"
 
 
-def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
-    """Return the effects that the scene leaves out, the one that matters most first. Where no design that its
-    constants were fitted to is like this one, an estimate is not calibrated."""
-    history, path = scene.history, path_of(march)
+def left_out_effects(scene: Scene, path: PlatePath) -> list[LeftOutEffect]:
+    """Return the effects that a scene leaves out, the one that matters most first, by the path of its march.
+    Where no design that its constants were fitted to is like this one, an estimate is not calibrated."""
+    history = scene.history
     if skin_of(scene.design).symmetry == "revolved":
         from skincad.effects.pin_pad import left_out
 
@@ -330,7 +330,7 @@ def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
     static = (scene.cone or FRICTIONLESS).static
     outline = SceneOutline(scene.design, tuple(history.time_s), loads, path, driven, static)
     there = {*scene.effects, *(["inertia"] if marches_masses(scene) else [])}
-    unnamed = [name for name, row in EFFECTS.items() if row.indicates and name not in there]
+    unnamed = [name for name in INDICATORS if name not in there]
     entries = [
         replace(entry, calibrated=False, within=None) if unlike(scene.design, effect=name) else entry
         for name in unnamed
@@ -341,7 +341,7 @@ def left_out_effects(scene: Scene, march: March) -> list[LeftOutEffect]:
 
 def path_of(march: March) -> PlatePath:
     """Return what a march found, as indicators see it."""
-    normal_loads, pulled, _ = np.moveaxis(march.loads, 1, 0)
+    normal_loads, pulled, area = np.moveaxis(march.loads, 1, 0)
     films = march.column("films")[:, :, 0]
     return PlatePath(
         time=march.time,
@@ -351,6 +351,7 @@ def path_of(march: March) -> PlatePath:
         pulled=pulled,
         slips=_slipping(march, normal_loads.shape[1]),
         felt=films[:, ::2] - films[:, 1::2],
+        area=area,
     )
 
 

@@ -21,7 +21,7 @@ from skincad.base.progress import Tick
 from skincad.circuit.state import longest_step
 from skincad.effects.kinds import MASS, MarchedPad, PadChange
 from skincad.mechanics.dynamics.ringing import layer_period, skin_mass
-from skincad.scenes.march import LEVELS, Level, March, expected, kept_steps, march
+from skincad.scenes.march import LEVELS, Level, March, expected, frames, march
 from skincad.scenes.scene import Scene
 from skincad.shape.skin import skin_of
 
@@ -131,7 +131,7 @@ def march_on(level: Level, on: MarchSetup, following: Level | None = None, again
 
     # to ask for one thread at each step takes longer than the step
     with resource_guard(f"the computation on the mesh of {stage}"):
-        keep, mass = kept_steps(on.scene), on.scene.plate.mass or 0.0
+        keep, mass = {*on.scene.readout.steps, *frames(on.scene)}, on.scene.plate.mass or 0.0
         result = _marched(on, pad, at_step=at_step, keep=keep, mass=mass)
     on.took("march", result.seconds["march"])
     return replace(result, seconds={**stages, **result.seconds})

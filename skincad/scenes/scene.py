@@ -18,7 +18,15 @@ from skincad.base.errors import InputError
 from skincad.base.tables import Document, Table, quantity, told
 from skincad.effects import effect
 from skincad.effects.kinds import MASS, MOVING, RELIEF, Effect, Law, PadChange, Reader, Step, Term, share_of
-from skincad.inputs.catalog import Own, load_design, overridden, own_tables, read_table, with_own
+from skincad.inputs.catalog import (
+    Own,
+    load_design,
+    named_document,
+    overridden,
+    own_tables,
+    read_table,
+    with_own,
+)
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.state import Drive, FrictionCoefficients
 from skincad.shape.skin import skin_of
@@ -45,23 +53,17 @@ Numbers = Annotated[list[float], BeforeValidator(_listed)]
 class History(Table):
     """What the plate does: points in time, straight lines between them."""
 
-    time_s: Numbers = Field(
-        description="of each point, from 0", min_length=2, max_length=10_000, json_schema_extra={"unit": "s"}
+    time_s: Numbers = quantity("s", "of each point, from 0", min_length=2, max_length=10_000)
+    normal_force_N: Numbers = quantity("N", "of the plate on the skin, at each point")  # noqa: N815
+    tangential_force_N: Numbers | None = quantity(  # noqa: N815
+        "N", "of the plate on the skin, to +x", default=None
     )
-    normal_force_N: Numbers = Field(  # noqa: N815
-        description="of the plate on the skin, at each point", json_schema_extra={"unit": "N"}
-    )
-    tangential_force_N: Numbers | None = Field(  # noqa: N815
-        default=None, description="of the plate on the skin, to +x", json_schema_extra={"unit": "N"}
-    )
-    displacement_mm: Numbers | None = Field(
-        default=None, description="of a driven plate, to +x, instead", json_schema_extra={"unit": "mm"}
-    )
-    rotation_deg: Numbers | None = Field(
-        default=None,
-        description="of the plate about y, positive where it rises towards +x; forces and displacement "
+    displacement_mm: Numbers | None = quantity("mm", "of a driven plate, to +x, instead", default=None)
+    rotation_deg: Numbers | None = quantity(
+        "deg",
+        "of the plate about y, positive where it rises towards +x; forces and displacement "
         "are then normal to the plate and along it",
-        json_schema_extra={"unit": "deg"},
+        default=None,
     )
     steps: int = Field(
         description="number of equal time steps; a corner between two of them adds a step of its own",
@@ -210,7 +212,6 @@ class Readout(Table):
 
 LAW = "small_strain"  # of a scene that names none
 PIN_EFFECTS = "friction", LAW  # what is simulated of pins
-LONGEST = 4096  # letters of a path
 
 
 def _placed(value: Any, folder: Path) -> Any:
@@ -224,13 +225,7 @@ def _placed(value: Any, folder: Path) -> Any:
 
 def _skin(value: Any) -> Any:
     """A design, or the text that names one."""
-    if isinstance(value, dict):
-        return Design(**value)
-    if not isinstance(value, str | Design):
-        raise InputError("", "must be a design, or the name of a template or TOML file", value)
-    if isinstance(value, str) and len(value) > LONGEST:
-        raise InputError("", f"must have at most {LONGEST} characters", value)
-    return _placed(value, Path())
+    return _placed(named_document(value, Design, "a design"), Path())
 
 
 def _effects(tables: Any, folder: Path = Path()) -> Any:
@@ -377,8 +372,7 @@ def _check(scene: Scene) -> None:
     _ = scene.law
     if skin.symmetry != "extruded":
         _check_family(scene)
-    _check_law(scene)
-    _check_terms(scene)
+    _check_parts(scene)
     _check_force(scene)
     for name, part in scene.parts.items():
         try:
@@ -424,25 +418,38 @@ def _check_family(scene: Scene) -> None:
             raise InputError(key, "is not simulated of pins", remedy="leave it out")
 
 
-def _check_terms(scene: Scene) -> None:
-    """Raise InputError for what terms ask and law or plate do not give."""
+def _check_parts(scene: Scene) -> None:
+    """Raise InputError for effects that do not work together, or with the history or the plate: what only a
+    quasi-static condensed pad knows, and what terms ask and law or plate do not give."""
     law = next((name for name, part in scene.parts.items() if part is scene.law), LAW)
-    for name, part in scene.parts.items():
-        if isinstance(part, Term) and part.asks - scene.law.gives:
-            raise InputError(
-                f"effects.{name}", f"does not work together with {law}", remedy=f"leave out {law}"
-            )
+    asks = {name: part.asks for name, part in scene.parts.items() if isinstance(part, Term)}
+    bodies = {name: part for name, part in scene.parts.items() if isinstance(part, PadChange)}
+    turns, moving = any(scene.history.rotation_deg or []), [name for name in asks if asks[name] & MOVING]
+    needs = ["history.rotation_deg"] * turns
+    needs += [f"readout.{key}" for key in ("steps", "frames") if getattr(scene.readout, key)]
+    still = [f"effects.{name}" for name, body in bodies.items() if body.condenses]
+    still += [f"effects.{name}" for name in asks if RELIEF in asks[name]]
+    for keys, beside in ((needs, [law] * (not scene.law.condenses) + moving), (still, moving)):
+        if keys and beside:
+            rule = f"does not work together with {' and '.join(beside)}"
+            raise InputError(keys[0], rule, remedy="leave one of them out")
+    for name in (name for name, body in bodies.items() if not body.feels):
+        rule = f"needs films' stresses, which effects.{name} does not give"
+        if scene.readout.ridges:
+            raise InputError("readout.ridges", rule, scene.readout.ridges, "take readout.ridges = []")
+        for other, part in scene.parts.items():
+            if isinstance(part, Reader) and name in part.needs:
+                raise InputError(f"effects.{other}", rule, remedy=f"leave out effects.{other}")
+    for name, wanted in asks.items():
+        if wanted - scene.law.gives:
+            rule = f"does not work together with {law}"
+            raise InputError(f"effects.{name}", rule, remedy=f"leave out {law}")
     if MASS in scene.asked and scene.plate.mass is None:
         raise InputError("plate.mass", "is missing", remedy="masses count here: give the plate's mass in g")
     if MASS in scene.asked or scene.plate.mass is None:
         return
-    beside = [
-        f"[effects.{name}]"
-        for name, part in scene.parts.items()
-        if isinstance(part, Term) and part.asks & MOVING
-    ]
-    beside += [] if scene.law.swings else [f"[effects.{law}]"]
-    beside += ["a plate that turns"] * any(scene.history.rotation_deg or [])
+    beside = [f"[effects.{name}]" for name in moving] + [f"[effects.{law}]"] * (not scene.law.swings)
+    beside += ["a plate that turns"] * turns
     beside += ["[pin]"] * (skin_of(scene.design).symmetry == "revolved")
     if beside:
         rule = f"does not count beside {' and '.join(beside)}"
@@ -460,30 +467,3 @@ def _check_force(scene: Scene) -> None:
     if MASS not in scene.asked and peak > ridges * ends.largest:
         rule = f"must be at most {ridges * ends.largest:.3g} N: {ends.overload_reason(peak / ridges)}"
         raise InputError("history.normal_force_N", rule, peak, "take smaller forces or a harder silicone")
-
-
-def _check_law(scene: Scene) -> None:
-    """Raise InputError for what only a quasi-static condensed pad knows, with a law or term that has none."""
-    law = next((name for name, part in scene.parts.items() if part is scene.law), LAW)
-    moving = [name for name, part in scene.parts.items() if isinstance(part, Term) and part.asks & MOVING]
-    others = [*([] if scene.law.condenses else [law]), *moving]
-    needs = ["history.rotation_deg"] if any(scene.history.rotation_deg or []) else []
-    needs += [f"readout.{key}" for key in ("steps", "frames") if getattr(scene.readout, key)]
-    bodies = {name: part for name, part in scene.parts.items() if isinstance(part, PadChange)}
-    still = [f"effects.{name}" for name, body in bodies.items() if body.condenses]
-    terms = {name: part.asks for name, part in scene.parts.items() if isinstance(part, Term)}
-    still += [f"effects.{name}" for name, asks in terms.items() if RELIEF in asks]
-    for keys, beside in ((needs, others), (still, moving)):
-        if keys and beside:
-            rule = f"does not work together with {' and '.join(beside)}"
-            raise InputError(keys[0], rule, remedy="leave one of them out")
-    for name, body in bodies.items():
-        if body.feels:
-            continue
-        if scene.readout.ridges:
-            rule = f"needs films' stresses, which effects.{name} does not give"
-            raise InputError("readout.ridges", rule, scene.readout.ridges, "take readout.ridges = []")
-        for other, part in scene.parts.items():
-            if isinstance(part, Reader) and name in part.needs:
-                rule = f"needs films' stresses, which effects.{name} does not give"
-                raise InputError(f"effects.{other}", rule, remedy=f"leave out effects.{other}")

@@ -17,7 +17,7 @@ from skincad.base.interrupt import INTERRUPTED
 from skincad.base.progress import Tick
 from skincad.base.result import Record, Result, item, record, reported
 from skincad.circuit.state import FilteredSignal, band_limited, delay
-from skincad.effects.kinds import LeftOutEffect, Reader, ReaderContext, RidgePath
+from skincad.effects.kinds import LeftOutEffect, Reader, ReaderContext
 from skincad.mechanics.contact.state import FrictionCoefficients
 from skincad.mechanics.dynamics.ringing import skin_mass
 from skincad.mechanics.validity import material_warnings
@@ -46,6 +46,7 @@ from skincad.scenes.plan import (
     further,
     left_out_effects,
     model_of,
+    path_of,
     refine,
 )
 from skincad.scenes.runs import (
@@ -469,11 +470,6 @@ def friction_cone(scene: Scene) -> FrictionCoefficients:
     return scene.cone or FrictionCoefficients(1.0, 1.0)
 
 
-def _change(left_out: list[LeftOutEffect]) -> float:
-    """The relative change of a ridge's load by all that is left out: taken to be the signals'."""
-    return math.fsum(entry.change for entry in left_out)
-
-
 def shown_signal(time: Array, values: Array, width: float) -> FilteredSignal:
     """Return a stress in a band of `width` Hz. Where the steps don't show that band a corner between two of
     them has rung out by the second: the jerk is each step's mean then."""
@@ -490,16 +486,15 @@ def _simulation(on: MarchSetup, runs: Runs, seconds: dict[str, float]) -> Simula
     raw, width = differential(on.piece, scene, march), scene.readout.bandwidth_Hz
     halts = halts_of(scene)
     slips = slips_of(march, skin_of(scene.design).count, halts)
-    left_out, driven = left_out_effects(scene, march), scene.history.tangential_force_N is None
-    change = _change(left_out)
+    path = path_of(march)
+    left_out, driven = left_out_effects(scene, path), scene.history.tangential_force_N is None
+    change = math.fsum(entry.change for entry in left_out)  # of a ridge's load, taken to be the signals'
     stressed = stress_errors(runs, lambda one: differential(on.piece, scene, one), change, drifted(on, march))
     if raw and "film" not in scene.effects:
         notes = [*notes, "effects.film is not named: the stress shown is the silicone's, in the films' place"]
     notes = [*notes, *unresolved(march.time, width)] if raw else notes
     notes = [*notes, *material_warnings(scene.design)]
     notes = [*notes, *(remark for term in scene.terms for remark in term.remarks(scene.asked))]
-    normal, tangential, area = np.moveaxis(march.loads, 1, 0)
-    path = RidgePath(normal, tangential, area, slips.slipping)
     if on.piece is not None:
         notes = [*notes, *(remark for term in scene.terms for remark in term.afterwards(path))]
     readings, remarks = read(scene, march, slips, seconds)

@@ -235,11 +235,12 @@ class Judge:
 @dataclass(frozen=True, eq=False)
 class Assignment:
     """The strip (from 0) that each channel shows `(channels,)`, or a number beyond the last where none;
-    the common gain, and the log-probability of it all."""
+    the common gain, its mean with an error and the `likeliest`; and the log-probability of it all."""
 
     places: Index
     gain: float
     gain_error: float
+    likeliest: float
     score: float
 
 
@@ -277,36 +278,14 @@ def log_half_swap(count: int) -> Array:
     return np.asarray(np.log(SWAP_PRIOR * share) / 2)
 
 
-def best_score(like: Likelihoods) -> float:
-    """Return the log-posterior of the most probable assignment at the most probable gain."""
-    table = costs(like)
-    pairs = zip(table, _gain_prior(like.gains), strict=True)
-    return max(-_total(cost) + float(prior) for cost, prior in pairs)
-
-
-def best_gain(like: Likelihoods) -> float:
-    """Return the most probable common gain."""
-    table = costs(like)
-    scores = [-_total(cost) for cost in table] + _gain_prior(like.gains)
-    return float(like.gains[int(np.argmax(scores))])
-
-
-def _gain_prior(gains: Array) -> Array:
-    return np.asarray(-0.5 * (np.log(gains) / GAIN_SPREAD) ** 2)
-
-
-def _total(cost: Array) -> float:
-    return float(cost[linear_sum_assignment(cost)].sum())
-
-
 def assign(like: Likelihoods) -> Assignment:
     """Return the most probable assignment."""
-    table = costs(like)
-    whole = np.array([-_total(cost) for cost in table]) + _gain_prior(like.gains)
-    weights = np.exp(whole - logsumexp(whole))
-    logs = np.log(like.gains)
+    logs, table = np.log(like.gains), costs(like)
+    pairs = [linear_sum_assignment(cost) for cost in table]
+    whole = np.array([-float(cost[pair].sum()) for cost, pair in zip(table, pairs, strict=True)])
+    whole += -0.5 * (logs / GAIN_SPREAD) ** 2  # the gain's prior
+    best, weights = int(whole.argmax()), np.exp(whole - logsumexp(whole))
     middle = float(weights @ logs)
-    places = linear_sum_assignment(table[int(whole.argmax())])[1]
     spread = float(np.sqrt(weights @ (logs - middle) ** 2))
     gain = float(np.exp(middle))
-    return Assignment(places, gain, gain * spread, float(whole.max()))
+    return Assignment(pairs[best][1], gain, gain * spread, float(like.gains[best]), float(whole[best]))

@@ -42,14 +42,7 @@ ALIKE = 3.0  # of log-likelihood: below it the data do not tell two assignments 
 NEIGHBOURS = 6  # likeliest ones, whose neighbours count too
 SWAPPED = "swapped"
 State = tuple[str, int | None, int]  # name, the other strip (from 0) where swapped, and its sign
-
-
-@dataclass(frozen=True, eq=False)
-class ChannelStates:
-    """A channel's states with their probabilities, the most probable first."""
-
-    states: tuple[State, ...]
-    probabilities: tuple[float, ...]
+ChannelStates = list[tuple[State, float]]  # with their probabilities, the most probable first
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,14 +202,13 @@ class _Joint:
         table = np.unique(np.concatenate([near, *(self.steps(places) for places in top)]), axis=0)
         scores = self.scores(table)
         weights = np.exp(scores - logsumexp(scores))
-        return tuple(self._channel(c, table[:, c], weights) for c in range(self.count))
-
-    def _channel(self, c: int, places: Index, weights: Array) -> ChannelStates:
-        chances: dict[State, float] = defaultdict(float)
-        for place in np.unique(places):
-            chances[self._state(c, int(place))] += float(weights[places == place].sum())
-        ordered = sorted(chances, key=lambda state: -chances[state])
-        return ChannelStates(tuple(ordered), tuple(chances[state] for state in ordered))
+        channels = []
+        for c, places in enumerate(table.T):
+            chances: dict[State, float] = defaultdict(float)
+            for place in np.unique(places):
+                chances[self._state(c, int(place))] += float(weights[places == place].sum())
+            channels.append(sorted(chances.items(), key=lambda entry: -entry[1]))
+        return tuple(channels)
 
     def _state(self, c: int, place: int) -> State:
         n = self.count

@@ -212,17 +212,13 @@ def polygon(outline: Loop, tolerance: float) -> Array:
     return np.vstack(rows)
 
 
-def _quarter_chords(radius: float, tolerance: float) -> int:
-    return max(4, math.ceil(math.pi / 4 / math.sqrt(tolerance / max(radius, tolerance))))
-
-
 def offset(outline: Loop, distance: float, tolerance: float) -> list[Array]:
     """Return the outline moved outward by `distance` mm (inward if negative) as polygons within
     `tolerance` mm; round at the corners, so opening and closing with it are those of a round tool."""
-    grown = shapely.Polygon(polygon(outline, tolerance / 2)).buffer(
-        distance,
-        quad_segs=_quarter_chords(abs(distance), tolerance),
-    )
+    chords = math.ceil(
+        math.pi / 4 / math.sqrt(tolerance / max(abs(distance), tolerance))
+    )  # of a quarter turn
+    grown = shapely.Polygon(polygon(outline, tolerance / 2)).buffer(distance, quad_segs=max(4, chords))
     parts = getattr(grown, "geoms", [grown])
     return [np.asarray(p.exterior.coords)[:-1] for p in parts if not p.is_empty]
 

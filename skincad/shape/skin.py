@@ -99,11 +99,6 @@ class Skin:
         return len(self.placed)
 
     @property
-    def numbers(self) -> range:
-        """The features' numbers, from 1."""
-        return range(1, self.count + 1)
-
-    @property
     def profile(self) -> Feature:
         """The first feature. All share its widths, fillets and slots, and may differ in height."""
         return self.placed[0].feature

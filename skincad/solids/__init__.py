@@ -20,7 +20,7 @@ __getattr__, __dir__ = face(
         is_clamped lid_process stack_error thick_enough
     mold: ClosedMold Move mold_solids
     occ: KernelError given_solid moments solid tessellate triangles unchecked_solid volume workplane
-    pins: hole_block pocket_of pockets
+    pins: hole_block pockets
     plan: Axis Body Bore CAVITIES CutRole END_PLATES ExtendedCut GivenBody Grid PINS Part PartRole Prism
         RevolvedBody RotatedBody TurnedBody Vector bores box corners mirrored plain shifted turn_steps
         unturned

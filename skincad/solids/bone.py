@@ -289,10 +289,10 @@ def _turned(body: GivenBody, up: float) -> GivenBody:
     return replace(body, pose=tuple(pose.ravel().tolist()))
 
 
-def bone_part(design: Design, up: float = -1.0) -> Part | None:
-    """Return the bone as a part of the mold, or of the skin in the design's frame; None without one."""
+def bone_parts(design: Design) -> list[Part]:
+    """Return the bone as a part of the mold; none without one."""
     bone = bone_of(design)
-    return None if bone is None else Part("bone", PartRole.BONE, _turned(bone.body, up))
+    return [] if bone is None else [Part("bone", PartRole.BONE, _turned(bone.body, -1.0))]
 
 
 def window(design: Design, low: float, gap: float) -> list[Loop]:

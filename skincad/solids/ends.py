@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from skincad.base.errors import InputError, refusals
 from skincad.inputs.design import Design
-from skincad.shape.curves import Point, Segment, flipped, loop
+from skincad.shape.curves import Loop, Point, Segment, flipped, loop
 from skincad.shape.skin import Section, section
 from skincad.solids.fasteners import TAP_RADIUS, engagement
 from skincad.solids.gate import WIDTHS, wanted_gate
@@ -125,18 +125,14 @@ def _edges(design: Design, shape: Section, place: Layout) -> tuple[list[Segment]
     single = split_edges(design, shape, place.half - place.centres[-1])
     if len(place.centres) == 1:
         return single
-    first, second = ([_without_ends(edge, x) for x in place.centres] for edge in single)
+    first, second = ([shifted(tuple(edge[1:-1]), x) for x in place.centres] for edge in single)
     return _joined(first, place.half), _joined(second, place.half)
 
 
-def _without_ends(edge: list[Segment], x: float) -> list[Segment]:
-    return list(shifted(tuple(edge[1:-1]), x))
-
-
-def _joined(edges: list[list[Segment]], half: float) -> list[Segment]:
+def _joined(edges: list[Loop], half: float) -> list[Segment]:
     level = edges[0][0].start.z
     joined = [Segment(Point(-half, level), edges[0][0].start)]
-    for here, there in zip(edges, [*edges[1:], []], strict=True):
+    for here, there in zip(edges, [*edges[1:], ()], strict=True):
         end = there[0].start if there else Point(half, level)
         joined += [*here, Segment(here[-1].end, end)]
     return joined

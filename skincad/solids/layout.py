@@ -212,11 +212,6 @@ def lid_process(design: Design) -> Process:
     return processes(design.printer)[design.mold.lid_process or design.mold.process]
 
 
-def lid_fits(design: Design) -> Fits:
-    """Return the fits of carrier and cover."""
-    return fits(design, design.mold.lid_process or design.mold.process)
-
-
 def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tuple[Layout, list[InputError]]:
     """Return the positions, and an error for every value that leaves a bore no room. `design` is what is
     poured."""
@@ -248,7 +243,8 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     broken += _length(design) if plates else []
     split, lowest = -split_height(design, shape)[1], on_grid(-summit(design))
     need = split + bevel(design) + 2 * (BOLT_RADIUS + BESIDE) if plates else 0.0
-    need, what = max((need, "the keeper's bolts"), _mount_thickness(design))
+    mount = least_thickness(design.mounting, lid_process(design)) if design.mounting else (0.0, "")
+    need, what = max((need, "the keeper's bolts"), mount)
     if split_cavity and (holes := pins(design, shape)):
         plate = BASE_PIN + EDGE + PIN_DEPTH - (holes[0].origin[2] + flank_end(holes))
         need, what = max((need, what), (plate, "the pins in the wall of a plate of through holes"))
@@ -315,11 +311,6 @@ def _cover_screws(
     modulus, thickness = lid_process(design).part_modulus, design.mold.cover
     row, lid = choose_screws(choices, wide, load, modulus, thickness, STOCK)
     return row, lid, Spans(wide, load, row.reach)
-
-
-def _mount_thickness(design: Design) -> tuple[float, str]:
-    """Return how thick the carrier must be for its mount, and for what of it; 0 without one."""
-    return least_thickness(design.mounting, lid_process(design)) if design.mounting else (0.0, "")
 
 
 def stack_error(design: Design, spans: Spans, lid: float) -> float:

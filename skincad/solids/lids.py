@@ -35,7 +35,7 @@ from skincad.solids.layout import (
     PRESS_PRINT,
     Layout,
     cover_pins,
-    lid_fits,
+    fits,
     lid_process,
 )
 from skincad.solids.pins import MAGNET_PLAY, magnet_diameter, pockets
@@ -415,14 +415,16 @@ def core_pins(design: Design, place: Layout) -> list[Part]:
     ]
 
 
-def screws_of_bone(design: Design, place: Layout) -> list[Part]:
-    """Return the screws that hold a bone, from its holes' ends to the carrier's top, without their heads."""
-    return [
+def backing(design: Design, place: Layout) -> list[Part]:
+    """Return the carrier and what stands in it: core pins, and the screws that hold a bone, from its holes'
+    ends to the carrier's top, without their heads."""
+    screws = [
         Part(
             f"bone-screw-{i}", PartRole.BONE_SCREW, replace(bore, length=bore.length + place.back, role=None)
         )
         for i, (bore, _) in enumerate(bone_screws(design), 1)
     ]
+    return [carrier(design, place), *core_pins(design, place), *screws]
 
 
 def _access(design: Design, low: float, thick: float) -> list[Bore]:
@@ -443,15 +445,13 @@ def _check_cores(design: Design, vent: Bore, cup: Bore) -> None:
     for number, hole in enumerate(_access(design, 0.0, 1.0)):
         what = "a core pin" if number < pins else "a screw's head"
         key = f"{design.features.family}.pocket" if number < pins else KEY
-        (x, y, _), at_vent = hole.start, _web(vent, hole) + ACCESS_PLAY
-        if at_vent < least:
-            rule = f"puts {what} at ({x:.4g}, {y:.4g}) {max(at_vent, 0.0):.3g} mm from the carrier's vent, "
-            rule += f"needed are {least:g}"
-            raise InputError(key, rule, remedy="move it, or take a smaller mold.vent")
-        if (at_cup := _web(cup, hole)) < least:
-            rule = f"puts {what} at ({x:.4g}, {y:.4g}) {max(at_cup, 0.0):.3g} mm from the riser's cup in the "
-            rule += f"cover, needed are {least:g}"
-            raise InputError(key, rule, remedy="move it, or take a smaller mold.vent, and mold.reservoir")
+        (x, y, _), smaller = hole.start, "move it, or take a smaller mold.vent"
+        at_vent = _web(vent, hole) + ACCESS_PLAY, "the carrier's vent", smaller
+        at_cup = _web(cup, hole), "the riser's cup in the cover", f"{smaller}, and mold.reservoir"
+        for web, other, remedy in (at_vent, at_cup):
+            if web < least:
+                rule = f"puts {what} at ({x:.4g}, {y:.4g}) {max(web, 0.0):.3g} mm from {other}, "
+                raise InputError(key, f"{rule}needed are {least:g}", remedy=remedy)
 
 
 def _filled(rivets: list[tuple[float, float]]) -> list[tuple[Vector, float]]:
@@ -543,7 +543,7 @@ def cover(design: Design, place: Layout) -> Part:
     """Return the lid: bolts, pins, and over each carrier its reservoir and bleeds. It reaches over the end
     plates: once these are off, it is lifted there."""
     thick, end, low = place.lid, place.cover, place.top
-    press = lid_fits(design).press
+    press = fits(design, design.mold.lid_process or design.mold.process).press
     _, cup, rivets, *_ = openings(design, place)
     bleeds = [_bleed(design, hole) for hole in rivets]
     over = [cup, *drilled(CutRole.BLEED, "z", bleeds, low, thick, _bleed_radius(design))]

@@ -42,7 +42,7 @@ from skincad.base.errors import InputError, refusals, together
 from skincad.inputs.design import Design
 from skincad.shape.skin import section, skin_of
 from skincad.solids.bent import bent_parts, check_bent, shims_turn
-from skincad.solids.bone import bone_part, check_bone
+from skincad.solids.bone import bone_parts, check_bone
 from skincad.solids.cavity import (
     base_dowels,
     cavity,
@@ -57,12 +57,10 @@ from skincad.solids.ends import end_plates, refused_ends
 from skincad.solids.inserts import drawing_end, pin, shims, strips
 from skincad.solids.layout import Layout, layout
 from skincad.solids.lids import (
-    carrier,
-    core_pins,
+    backing,
     cover,
     cover_dowels,
     refused_lids,
-    screws_of_bone,
     seal_sheet,
 )
 from skincad.solids.pins import on_plane
@@ -158,13 +156,9 @@ def mold(design: Design) -> ClosedMold:
     ends = [part for end in ENDS for part in end_plates(design, shape, place, end)]
     shim_parts, cast_strips = (shims(design), []) if design.mold.method == "shim" else ([], strips(design))
     skins = _gang(place, [cast_skin(design, shape)])
-    rest = [
-        *_gang(place, [carrier(design, place), *core_pins(design, place), *screws_of_bone(design, place)]),
-        cover(design, place),
-        *_pins(design, place),
-    ]
+    rest = [*_gang(place, backing(design, place)), cover(design, place), *_pins(design, place)]
     rest.append(seal_sheet(design, place))
-    rest += _gang(place, [bone] if (bone := bone_part(design)) else [])
+    rest += _gang(place, bone_parts(design))
     rest += base_dowels(design, shape, place) if on_base else []
     shim_parts, cast_strips = _gang(place, shim_parts), _gang(place, cast_strips)
     parts = (*skins, *pieces, *ends, *rest, *shim_parts, *cast_strips)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import os
 import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
 from typing import Literal, TypeVar
@@ -143,7 +144,10 @@ def _checked_solid(part: Part) -> cq.Solid:
     if not BRepCheck_Analyzer(result.wrapped).IsValid():
         raise KernelError(f"{part.name}: BRepCheck finds the solid not valid")
     error = abs(volume(part, result) - part.volume)
-    if not error <= VOLUME_TOLERANCE * part.volume + rounding_error(part.body) + _cutting(part, result):
+    # the kernel takes points within its tolerance of a face as on it, so the edges that a cut makes, and the
+    # faces up to them, may be off by as much
+    cutting = KERNEL_TOLERANCE * float(result.Area()) if part.cuts or part.adds else 0.0
+    if not error <= VOLUME_TOLERANCE * part.volume + rounding_error(part.body) + cutting:
         raise KernelError(f"{part.name}: volume differs from its formula by {error / part.volume:.1e} of it")
     return result
 
@@ -283,12 +287,6 @@ def rounding_error(body: Body) -> float:
     return 4 * sys.float_info.epsilon * arcs * path
 
 
-def _cutting(part: Part, shape: cq.Solid) -> float:
-    """Volume, mm3, by which cuts may be off: the kernel takes points within its tolerance of a face as on
-    it, so the edges that a cut makes, and the faces up to them, may be off by as much."""
-    return KERNEL_TOLERANCE * float(shape.Area()) if part.cuts or part.adds else 0.0
-
-
 def _point(x: float, y: float, axis: Axis, level: float) -> gp_Pnt:
     return gp_Pnt(*_spread(x, y, axis, level))
 
@@ -352,17 +350,12 @@ def holes_of(shape: cq.Solid, deepest: float) -> tuple[Hole, ...]:
     to it."""
     upright = dict[tuple[float, float, float], list[float]]()
     chamfers = list[tuple[float, float, float, float]]()
-    for face in shape.Faces():
-        surface, box = BRepAdaptor_Surface(face.wrapped), face.BoundingBox()
-        kind = surface.GetType()
-        if kind not in (GeomAbs_Cylinder, GeomAbs_Cone) or face.wrapped.Orientation() != TopAbs_REVERSED:
-            continue
-        axis = (surface.Cylinder() if kind == GeomAbs_Cylinder else surface.Cone()).Axis()
+    for surface, is_cone, axis, box in _bored_faces(shape):
         way, place = axis.Direction(), axis.Location()
         if math.hypot(way.X(), way.Y()) >= 1e-6:
             continue
         x, y = round(place.X(), 6), round(place.Y(), 6)
-        if kind == GeomAbs_Cone:
+        if is_cone:
             chamfers.append((x, y, box.zmin, box.zmax))
             continue
         row = upright.setdefault((round(surface.Cylinder().Radius(), 6), x, y), [math.inf, -math.inf])
@@ -373,24 +366,29 @@ def holes_of(shape: cq.Solid, deepest: float) -> tuple[Hole, ...]:
     return tuple((radius, (x, y, low), high) for (radius, x, y), (low, high) in upright.items())
 
 
+def _bored_faces(shape: cq.Solid) -> Iterator[tuple[BRepAdaptor_Surface, bool, gp_Ax1, cq.BoundBox]]:
+    """The faces of round holes, cylinders or cones, with their axis and their box."""
+    for face in shape.Faces():
+        surface = BRepAdaptor_Surface(face.wrapped)
+        kind = surface.GetType()
+        if kind in (GeomAbs_Cylinder, GeomAbs_Cone) and face.wrapped.Orientation() == TopAbs_REVERSED:
+            cone = kind == GeomAbs_Cone
+            yield surface, cone, (surface.Cone() if cone else surface.Cylinder()).Axis(), face.BoundingBox()
+
+
 def locks_of(shape: cq.Solid) -> tuple[tuple[float, tuple[float, float] | None], ...]:
     """Return the necks of the holes in front of the back (z > 0) that no straight pull along z empties, as
     areas, mm2, and places of those along z: holes across, and holes along z with a wider part nearer to the
     back than a narrower one, countersunk or stepped."""
     across = dict[tuple[float, ...], float]()  # a hole may be in several faces of one cylinder
     along = dict[tuple[float, float], list[tuple[float, float]]]()
-    for face in shape.Faces():
-        surface = BRepAdaptor_Surface(face.wrapped)
-        kind, box = surface.GetType(), face.BoundingBox()
-        if kind not in (GeomAbs_Cylinder, GeomAbs_Cone) or face.wrapped.Orientation() != TopAbs_REVERSED:
-            continue
-        axis = (surface.Cylinder() if kind == GeomAbs_Cylinder else surface.Cone()).Axis()
+    for surface, is_cone, axis, box in _bored_faces(shape):
         way, place = axis.Direction(), axis.Location()
         if math.hypot(way.X(), way.Y()) < 1e-6:
             ends = (surface.Value(0.0, v) for v in (surface.FirstVParameter(), surface.LastVParameter()))
             rims = [(p.Z(), math.hypot(p.X() - place.X(), p.Y() - place.Y())) for p in ends]
             along.setdefault((round(place.X(), 6), round(place.Y(), 6)), []).extend(rims)
-        elif box.zmin > 0.0 and kind == GeomAbs_Cylinder and abs(way.Z()) < _STEEP:
+        elif box.zmin > 0.0 and not is_cone and abs(way.Z()) < _STEEP:
             radius = surface.Cylinder().Radius()
             line = (place.X(), place.Y(), place.Z(), way.X(), way.Y(), way.Z(), radius)
             across[tuple(round(v, 6) for v in line)] = math.pi * radius**2

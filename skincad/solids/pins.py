@@ -124,14 +124,9 @@ def cast(body: TurnedBody, role: CutRole | None = None) -> TurnedBody:
     return replace(body, origin=(x, -y, -z), direction=(u, -v, -w), role=role)
 
 
-def pocket_of(design: Design) -> Pocket | None:
-    """Return the table of the pockets, None where there are none."""
-    return design.features.pocket
-
-
 def pocket_places(design: Design) -> list[tuple[float, float]]:
     """Return (x, y) of the pockets, mm: under the summits of pins, or where a flat skin has them."""
-    pocket = pocket_of(design)
+    pocket = design.features.pocket
     if pocket is None:
         return []
     if isinstance(design.features, Pin):
@@ -143,7 +138,7 @@ def pocket_places(design: Design) -> list[tuple[float, float]]:
 
 def pockets(design: Design, up: float = 1.0) -> tuple[Bore, ...]:
     """Return the pockets as blind holes from the back; `up` = -1 as the skin lies in its mold."""
-    pocket = pocket_of(design)
+    pocket = design.features.pocket
     if pocket is None:
         return ()
     deep = on_grid(pocket.depth)

@@ -29,16 +29,14 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.shape.curves import Point, flipped, right_half
 from skincad.shape.skin import Section, summit
-from skincad.solids.bone import bone_part
+from skincad.solids.bone import bone_parts
 from skincad.solids.cavity import cavity, negative
 from skincad.solids.layout import STOCK, Layout
 from skincad.solids.lids import (
-    carrier,
-    core_pins,
+    backing,
     cover,
     cover_dowels,
     round_marks,
-    screws_of_bone,
     seal_sheet,
 )
 from skincad.solids.plan import Bore, CutRole, Part, PartRole, Prism, TurnedBody, box, disc
@@ -80,14 +78,12 @@ def round_parts(design: Design, shape: Section, place: Layout) -> list[Part]:
     lids, whole = lids_layout(design, place), _block(design, shape, place)
     blocks = [whole] if design.mold.block_process is None else _parted(design, shape, place, whole)
     rest = [
-        carrier(design, lids),
-        *core_pins(design, lids),
-        *screws_of_bone(design, lids),
+        *backing(design, lids),
         cover(design, lids),
+        *cover_dowels(design, lids),
+        seal_sheet(design, lids),
     ]
-    rest += [*cover_dowels(design, lids), seal_sheet(design, lids)]
-    rest += [bone] if (bone := bone_part(design)) else []
-    return [cast_skin(design, shape), *blocks, *rest]
+    return [cast_skin(design, shape), *blocks, *rest, *bone_parts(design)]
 
 
 def _block(design: Design, shape: Section, place: Layout) -> Part:

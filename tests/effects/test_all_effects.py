@@ -16,6 +16,7 @@ import pytest
 from skincad.base import InputError
 from skincad.effects import (
     EFFECTS,
+    INDICATORS,
     MASS,
     Friction,
     Observables,
@@ -283,20 +284,20 @@ def test_nothing_of_an_effect_left_out_is_imported(tmp_path: Path) -> None:
     assert process.returncode == 0, process.stderr
     marched, after, heavy = process.stdout.split("\n")[:3]
     assert set(marched.split()) == {f"skincad.effects.{name}" for name in ("kinds", "small_strain")}
-    names = {row.where.partition(":")[0] for row in EFFECTS.values() if row.indicates}
+    names = {EFFECTS[name].partition(":")[0] for name in INDICATORS}
     assert set(after.split()) == names
     assert heavy == ""
 
 
 def test_an_effect_that_says_what_leaving_it_out_changes_says_so_in_its_row() -> None:
-    for name, row in EFFECTS.items():
-        assert row.indicates == ("left_out" in vars(effect(name))), name
+    for name in EFFECTS:
+        assert (name in INDICATORS) == ("left_out" in vars(effect(name))), name
 
 
 RISES, HOLDS = (0.0, 1e-3), (0.0, 4.0)  # s, N
 
 
-@pytest.mark.parametrize("name", [name for name, row in EFFECTS.items() if row.indicates])
+@pytest.mark.parametrize("name", INDICATORS)
 def test_what_an_effect_says_of_leaving_it_out_bears_its_name(name: str) -> None:
     """Of yamada-2002, whose loads rise in 1 ms to 4 N and a pull of 1 N."""
     answer = effect(name).left_out(outline(yamada(), RISES, HOLDS, (0.0, 1.0)))

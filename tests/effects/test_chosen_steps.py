@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skincad.base import Array, RefusedError
+from skincad.base import Array
 from skincad.effects import UPDATE_INTERVAL, FiniteStrain, Friction, Share, SmallStrain, Step, chosen_steps
 from skincad.mechanics import (
     ContactError,
@@ -270,12 +270,6 @@ def test_a_tilting_plate_is_refused(pad: Any) -> None:
     what, tilting = pad(), Step(0.0, 1.0, Drive(0.0, 0.0), Drive(0.3, 0.0, angle=1e-3))
     with pytest.raises(ContactError, match="keeps its angle"):
         what.advanced(what.start(), tilting, Share())
-
-
-def test_shares_of_others_are_refused() -> None:
-    pad = pad_of(FiniteStrain(steps="chosen"), False)
-    with pytest.raises(RefusedError, match="quasi-static"):
-        pad.advanced(pad.start(), Step(0.0, 1.0, Drive(0.0), Drive(0.1)), Share(more={"mass": 1}))
 
 
 @pytest.mark.evidence(subject="chosen steps: drift")

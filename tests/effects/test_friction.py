@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from skincad.base import InputError
-from skincad.effects import CondensedPad, Friction, MarchedPad, RidgePath, SmallStrain, Term
+from skincad.effects import CondensedPad, Friction, MarchedPad, PlatePath, SmallStrain, Term
 from skincad.mechanics import ContactPad, FrictionCoefficients
 from skincad.scenes import load_scene
 from skincad.scenes.march import march
@@ -146,14 +146,16 @@ def test_every_kind_of_pad_has_the_same_area() -> None:
     assert crowns[0] == pytest.approx(2 * 0.55 * piece()[0].whole.length, rel=0.02)
 
 
-def path(normal: list[float], pull: list[float], area: list[float], slips: list[bool]) -> RidgePath:
+def path(normal: list[float], pull: list[float], area: list[float], slips: list[bool]) -> PlatePath:
     """Unloaded, pressed, pulled so far that ridges slip next, and with the slips."""
     rows = [np.zeros(len(normal)), np.array(normal), np.array(normal), np.array(normal)]
     along = [0 * rows[1], 0 * rows[1], np.array(pull), 1.05 * np.array(pull)]
     none = np.zeros(len(normal), dtype=bool)
     touched = np.array([none, none, none, none], dtype=float)
     touched[1:] = area
-    return RidgePath(np.array(rows), np.array(along), touched, np.array([none, none, none, slips]))
+    slipping, nothing = np.array([none, none, none, slips], dtype=float), np.zeros(4)
+    loads = np.array(rows), np.array(along)
+    return PlatePath(np.arange(4.0), nothing, nothing, *loads, slipping, np.zeros((4, 0)), touched)
 
 
 def test_the_order_of_slip_flips_where_load_and_area_do_not_go_together() -> None:
@@ -170,7 +172,7 @@ def test_the_order_of_slip_flips_where_load_and_area_do_not_go_together() -> Non
     assert "ridge 2 slips first, but by Coulomb's law ridge 1 would" in entry
 
 
-def warned(seen: RidgePath) -> list[str]:
+def warned(seen: PlatePath) -> list[str]:
     return list(Friction(coefficient=0.5).afterwards(seen))
 
 
@@ -186,7 +188,7 @@ def test_a_ridge_that_has_just_met_the_plate_or_leaves_it_counts_for_nothing() -
     seen = path([0.01, 1.0, 1.0], [0.01, 0.4, 0.3], [0.1, 4.0, 4.0], [True, False, False])
     assert warned(seen) == []
     leaves = path([0.4, 1.0, 1.0], [0.2, 0.4, 0.3], [4.0, 4.0, 4.0], [True, False, False])
-    leaves.normal[-1, 0] = 0.0
+    leaves.pressed[-1, 0] = 0.0
     assert warned(leaves) == []
 
 

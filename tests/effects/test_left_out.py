@@ -187,7 +187,7 @@ def test_what_is_left_out_is_judged_by_what_drives_the_plate_along(
     }
     ridge = np.array([1, 1, 2, 2])
     march = SimpleNamespace(time=np.array([0.0, 1.0]), column=readings.get, loads=loads, ridge=ridge)
-    assert plan.left_out_effects(scene, march) == []  # type: ignore[arg-type]
+    assert plan.left_out_effects(scene, plan.path_of(march)) == []  # type: ignore[arg-type]
     assert seen
     for judged in seen:
         assert judged.ridge_normal == 0.3
@@ -207,7 +207,7 @@ def test_a_signal_follows_pull_and_normal_force() -> None:
     pulled = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.4, 0.4, 0.0]])
     signal = 3 * pulled + normal * [0.5, -0.5, 7.0]
     zero = np.zeros(4)
-    path = PlatePath(np.arange(4.0), zero, zero, normal, pulled, 0 * normal, signal)
+    path = PlatePath(np.arange(4.0), zero, zero, normal, pulled, 0 * normal, signal, normal)
     down, along = path.per_force()
     # what presses both ridges alike cancels, so the pull is told apart exactly
     assert along == pytest.approx([3.0, 3.0, 3.0])
@@ -217,9 +217,9 @@ def test_a_signal_follows_pull_and_normal_force() -> None:
 def test_without_films_the_pull_stands_for_the_signal_and_without_that_the_normal_force() -> None:
     ones, zero = np.ones((2, 3)), np.zeros(2)
     untold = np.zeros((2, 0))
-    pull = PlatePath(zero, zero, zero, ones, 2 * ones, 0 * ones, untold)
+    pull = PlatePath(zero, zero, zero, ones, 2 * ones, 0 * ones, untold, ones)
     assert pull.signal is pull.pulled
-    press = PlatePath(zero, zero, zero, ones, 0 * ones, 0 * ones, untold)
+    press = PlatePath(zero, zero, zero, ones, 0 * ones, 0 * ones, untold, ones)
     assert press.signal is press.pressed
 
 

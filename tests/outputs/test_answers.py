@@ -9,7 +9,7 @@ import pytest
 from jinja2 import meta
 
 import skincad
-from skincad.base import output_named
+from skincad.base import imported
 from skincad.fabrication import environment
 from skincad.inputs import templates_folder
 
@@ -36,14 +36,14 @@ def names_of(text: str) -> tuple[set[str], set[str], set[str]]:
 
 
 def test_each_text_is_a_presentations_or_one_that_others_import() -> None:
-    texts = {output_named(home).words for home in HOMES}
-    imported = {other for text in texts for other in names_of(text)[2]}
-    assert texts | imported == {path.name for path in ANSWERS.iterdir()}
+    texts = {imported(home).words for home in HOMES}
+    others = {other for text in texts for other in names_of(text)[2]}
+    assert texts | others == {path.name for path in ANSWERS.iterdir()}
 
 
 @pytest.mark.parametrize("home", HOMES)
 def test_a_text_asks_for_facts_that_its_presentation_gives(home: str) -> None:
-    presentation = output_named(home)
+    presentation = imported(home)
     macros, asked, _ = names_of(presentation.words)
     assert "lines" in macros
     assert asked <= presentation.facts.keys()

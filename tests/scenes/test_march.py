@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from skincad.base import InputError, quantity
-from skincad.effects import CondensedPad, Friction, Law, PadChange, Reader, Share, Step, Term
+from skincad.effects import CondensedPad, Friction, Law, PadChange, Reader, Share, Step
 from skincad.mechanics import ContactError, ContactPad, ContactState, Drive
 from skincad.scenes import LEVELS, History, March, Simulation, at_level, coarse_steps, frames, simulate
 from skincad.scenes.march import march
@@ -119,13 +119,6 @@ class Telling(Reader):
         return {"largest_force_N": max(r.normal for r in readings)}
 
 
-class Sticky(Term):
-    """A term of its own."""
-
-    def share(self, step: Step) -> Share:
-        return Share(more={"at": step.end})
-
-
 SMALL = [
     "skin=small.toml",
     "history.time_s=[0.0, 1.0]",
@@ -142,7 +135,7 @@ SMALL = [
 def test_a_new_effect_is_its_own_file_and_a_line_in_the_table(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Any
 ) -> None:
-    make_up_effects(monkeypatch, Softer, Thicker, Telling, Sticky)
+    make_up_effects(monkeypatch, Softer, Thicker, Telling)
 
     def run(*more: str) -> Any:
         return simulate(small_scene(tmp_path, "yamada-2002-slip", *SMALL, *more))
@@ -155,8 +148,6 @@ def test_a_new_effect_is_its_own_file_and_a_line_in_the_table(
     assert stiff.march.readings[2].approach == pytest.approx(plain.march.readings[1].approach, rel=1e-9)
     assert soft.march.readings[1].approach == pytest.approx(plain.march.readings[2].approach, rel=1e-9)
     assert soft.as_json()["largest_force_N"] == pytest.approx(1.0)
-    with pytest.raises(Exception, match="takes no share but friction's"):
-        run("effects.sticky={}")
     with pytest.raises(InputError, match="effects: must name one law at most"):
         run("effects.softer.factor=2.0", "effects.small_strain={}")
     with pytest.raises(InputError, match=r"effects\.thicker: is for three ridges, got 9"):

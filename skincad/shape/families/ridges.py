@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,29 +16,32 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.inputs.feature_tables import Flat, Pin, Ridge
 from skincad.shape.curves import Point, Segment, concentric_hit, rise
-from skincad.shape.feature import Feature, Frame, Placed, SensorPlace, Symmetry
+from skincad.shape.feature import Feature, Frame, Placed, SensorPlace, Side, Symmetry
 
 ProfileTable = Ridge | Pin
 
 
 def place(design: Design) -> tuple[Placed, ...]:
-    """Return the design's ridges on its skin, ridge 1 at the smallest x.
+    """Return the design's ridges on its skin, ridge 1 at the smallest x. Raises InputError as `in_a_row`."""
+    return in_a_row(design, "extruded")
 
-    Raises InputError where a ridge has no shape, or neighbours no room.
+
+def in_a_row(design: Design, symmetry: Symmetry) -> tuple[Placed, ...]:
+    """Return features side by side in the section, each on its own normal of the base circle.
+
+    Raises InputError where one has no shape, or neighbours no room.
     """
-    features = profiles(design, "extruded")
-    check_roots(design, features)
-    return tuple(
-        Placed(
-            feature, frame(design, design.lean(number)), number, design.lean(number), beside(number, features)
-        )
-        for number, feature in enumerate(features, 1)
-    )
-
-
-def beside(number: int, features: list[Feature]) -> tuple[int, ...]:
-    """Return the numbers of a feature's neighbours in a row."""
-    return tuple(n for n in (number - 1, number + 1) if 1 <= n <= len(features))
+    features, radius = profiles(design, symmetry), design.skin.curvature_radius
+    _check_roots(design, features)
+    placed = []
+    for number, feature in enumerate(features, 1):
+        lean = design.lean(number)
+        sine, cosine = math.sin(lean), math.cos(lean)
+        origin = Point(radius * sine, design.skin.thickness - 2 * radius * math.sin(lean / 2) ** 2)
+        frame = Frame(origin, Point(cosine, -sine), Point(sine, cosine))
+        beside = tuple(n for n in (number - 1, number + 1) if 1 <= n <= len(features))
+        placed.append(Placed(feature, frame, number, lean, beside))
+    return tuple(placed)
 
 
 def profiles(design: Design, symmetry: Symmetry) -> list[Feature]:
@@ -64,7 +66,7 @@ def _profile(design: Design, height: float, symmetry: Symmetry) -> Feature:
         raise ValueError("a flat skin has no profile")
     # a pin stands on the plane that touches the base at its foot
     base = math.inf if symmetry == "revolved" else design.skin.curvature_radius
-    half = half_profile(table, base, height)
+    half = _half_profile(table, base, height)
     return Feature(
         family=table.family,
         outline=tuple(_outline(table, half, height)),
@@ -85,15 +87,7 @@ def without_fillets(design: Design) -> Design:
     return design.with_(**{design.features.family: {"tip_fillet": 0.0, "root_fillet": 0.0}})
 
 
-def frame(design: Design, lean: float) -> Frame:
-    """Return the frame on the base circle where its normal leans by an angle, rad."""
-    radius = design.skin.curvature_radius
-    sine, cosine = math.sin(lean), math.cos(lean)
-    origin = Point(radius * sine, design.skin.thickness - 2 * radius * math.sin(lean / 2) ** 2)
-    return Frame(origin, Point(cosine, -sine), Point(sine, cosine))
-
-
-def check_roots(design: Design, features: list[Feature]) -> None:
+def _check_roots(design: Design, features: list[Feature]) -> None:
     """Raise InputError where root fillets of neighbours overlap; a lone ridge is its own neighbour."""
     pitch, name = design.spacing, design.features.family
     for number, (left, right) in enumerate(pairwise(features) if features[1:] else [features * 2], 1):
@@ -105,13 +99,14 @@ def check_roots(design: Design, features: list[Feature]) -> None:
             raise InputError(f"{name}.root_fillet", rule, fillet, "take a smaller fillet or a larger pitch")
 
 
-def _outline(table: ProfileTable, half: HalfProfile, height: float) -> Iterator[Segment]:
-    """The outline from the foot at +t to that at -t; without a fillet its segment has no length."""
-    right = [Point(*p) for p in half]
-    left = [Point(-t, n) for t, n in half]
-    foot = _fillet_bulge(half.base, half.flank_low, table.root_fillet)
-    shoulder = _fillet_bulge(half.flank_high, half.crown, table.tip_fillet)
-    summit = (height - half.crown[1]) / half.crown[0] if half.crown[0] > 0 else 0.0
+def _outline(table: ProfileTable, right: list[Point], height: float) -> Iterator[Segment]:
+    """The outline from the foot at +t to that at -t, of the corners of its half at +t, from base circle to
+    crown; without a fillet its segment has no length."""
+    base, low, high, crown = right
+    left = [Point(-t, n) for t, n in right]
+    foot = _fillet_bulge(base, low, table.root_fillet)
+    shoulder = _fillet_bulge(high, crown, table.tip_fillet)
+    summit = (height - crown[1]) / crown[0] if crown[0] > 0 else 0.0
     yield Segment(right[0], right[1], -foot, "root_fillet")
     yield Segment(right[1], right[2], 0.0, "flank")
     yield Segment(right[2], right[3], shoulder, "tip_fillet", touches=True)
@@ -121,7 +116,7 @@ def _outline(table: ProfileTable, half: HalfProfile, height: float) -> Iterator[
     yield Segment(left[1], left[0], -foot, "root_fillet")
 
 
-def _fillet_bulge(p: tuple[float, float], q: tuple[float, float], radius: float) -> float:
+def _fillet_bulge(p: Point, q: Point, radius: float) -> float:
     chord = math.hypot(p[0] - q[0], p[1] - q[1])
     return math.tan(math.asin(min(1.0, chord / (2 * radius))) / 2) if radius else 0.0
 
@@ -131,36 +126,18 @@ def _sensors(design: Design) -> Iterator[SensorPlace]:
     if design.slot is None:
         return
     slot, tilt = design.slot, math.radians(design.slot.tilt)
-    yield SensorPlace(
-        0,
-        "S1",
-        Point(-slot.offset, slot.elevation),
-        Point(math.sin(tilt), math.cos(tilt)),
-        slot.depth,
-        design.core_thickness,
-    )
-    yield SensorPlace(
-        0,
-        "S2",
-        Point(slot.offset, slot.elevation),
-        Point(-math.sin(tilt), math.cos(tilt)),
-        slot.depth,
-        design.core_thickness,
-    )
+    sides: tuple[tuple[Side, int], ...] = ("S1", -1), ("S2", 1)
+    for side, sign in sides:
+        centre, along = (
+            Point(sign * slot.offset, slot.elevation),
+            Point(-sign * math.sin(tilt), math.cos(tilt)),
+        )
+        yield SensorPlace(0, side, centre, along, slot.depth, design.core_thickness)
 
 
-class HalfProfile(NamedTuple):
-    """A feature's side at +t in its own frame, from base circle to axis: (t, n) mm."""
-
-    base: tuple[float, float]
-    flank_low: tuple[float, float]
-    flank_high: tuple[float, float]
-    crown: tuple[float, float]
-
-
-def half_profile(ridge: ProfileTable, radius: float, height: float) -> HalfProfile:
-    """Corners of half a feature of a `height` in mm, with its fillets, on a base circle of a `radius`, which
-    is infinite where it is flat.
+def _half_profile(ridge: ProfileTable, radius: float, height: float) -> list[Point]:
+    """Corners (t, n) mm of half a feature of a `height` in mm, in its own frame, with its fillets, on a base
+    circle of a `radius`, which is infinite where it is flat: base, both ends of the flank, crown.
 
     A fillet's centre lies at its radius from the flank's line, and on a circle concentric with the base
     (or crown) circle; written with the circle's curvature, the quadratic stays exact for a flat one.
@@ -207,8 +184,7 @@ def half_profile(ridge: ProfileTable, radius: float, height: float) -> HalfProfi
     # without a fillet its two ends are one corner: 1e-17 mm between them would be an edge that crosses others
     base, low = (base, low) if ridge.root_fillet else (root, root)
     high, crown = (high, crown) if ridge.tip_fillet else (edge, edge)
-    pairs = [(float(p[0]), float(p[1])) for p in (base, low, high, crown)]
-    return HalfProfile(*pairs)
+    return [Point(float(p[0]), float(p[1])) for p in (base, low, high, crown)]
 
 
 STEEP = 1e-9  # rounding of the sine by which a hemisphere's edge is as steep as a cylinder

@@ -6,7 +6,7 @@ A ring is drawn as a ridge is, in the frame on the base circle at its radius, an
 from __future__ import annotations
 
 from skincad.inputs.design import Design
-from skincad.shape.families.ridges import beside, check_roots, frame, profiles, without_fillets
+from skincad.shape.families.ridges import in_a_row, without_fillets
 from skincad.shape.feature import Placed
 
 __all__ = ["place", "without_fillets"]
@@ -18,11 +18,4 @@ def place(design: Design) -> tuple[Placed, ...]:
 
     Raises InputError where a ring has no shape, or neighbours no room.
     """
-    features = profiles(design, "concentric")
-    check_roots(design, features)
-    return tuple(
-        Placed(
-            feature, frame(design, design.lean(number)), number, design.lean(number), beside(number, features)
-        )
-        for number, feature in enumerate(features, 1)
-    )
+    return in_a_row(design, "concentric")

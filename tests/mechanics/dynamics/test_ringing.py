@@ -204,7 +204,7 @@ def springs(
     down, along = np.interp(TIME, corners, normal), np.interp(TIME, corners, pull)
     pressed, pulled = (np.tile(of[:, None] / ridges, ridges) for of in (down, along))
     none = np.zeros_like(pressed)
-    return PlatePath(TIME, down / DOWN, along / ALONG, pressed, pulled, none, none)
+    return PlatePath(TIME, down / DOWN, along / ALONG, pressed, pulled, none, none, none)
 
 
 def felt_by_skin(stiffness: float, load: np.ndarray, times: np.ndarray) -> np.ndarray:
