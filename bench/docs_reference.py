@@ -114,10 +114,9 @@ def _tables(model: type[Table], path: str) -> Iterator[str]:
         yield from (f"### `[{path}]`", "", _cell(inspect.cleandoc(model.__doc__ or "").split("\n\n")[0]), "")
     if rows:
         yield from ("| key | meaning | unit, range, default |", "|---|---|---|")
-        for row in rows:
-            default = row.default if row.default in ("", "required") else f"default `{row.default}`"
-            limits = "; ".join(part for part in (row.limits, default) if part)
-            yield f"| `{row.key}` | {_cell(row.meaning)} | {limits} |"
+        for key, limits, default, meaning in rows:
+            usual = default if default in ("", "required") else f"default `{default}`"
+            yield f"| `{key}` | {_cell(meaning)} | {'; '.join(part for part in (limits, usual) if part)} |"
         yield ""
     for key, table in inner.items():
         if table in (Silicone, Process, Gripper):  # each has its own section

@@ -129,7 +129,7 @@ def test_the_programs_that_pages_name_are_there() -> None:
 def keys(model: Any, path: str = "") -> Iterator[str]:
     """Every key of a table and of the tables within, joined by dots."""
     rows, inner = table_entries(model)
-    yield from (f"{path}{row.key}" for row in rows)
+    yield from (f"{path}{key}" for key, *_ in rows)
     for key, table in inner.items():
         yield f"{path}{key}"
         yield from keys(table, f"{path}{key}.")

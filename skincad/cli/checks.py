@@ -74,15 +74,14 @@ def check(
             films = skincad.film_stress(design, result.force, tangential, progress=progress)
             skincad.save_picture(films, stress, key="stress")
     typed = as_typed(source, settings, force, **vars(workshop), model=model)
-    full = display.verbose or display.as_json
-    waits = measured is None and waits_for_advice(result, advice, budget, full=full)
+    waits = measured is None and waits_for_advice(result, advice, budget, display)
     if not display.as_json:
         more = [] if films is None else [str(films), f"  picture        {stress}"]
         more += [] if measured is None else [NEXT_OF_PART[result.passed]]
         last = measured is None and not waits
         say(*report(result, typed, verbose=display.verbose, more=more, last=last))
     if waits:
-        result = advised(design, result, advice, budget, full=full, quiet=display.as_json)
+        result = advised(design, result, advice, budget, display)
         if not display.as_json:
             say(*result.next_line(typed))
     if display.as_json:
@@ -90,31 +89,27 @@ def check(
     leave(result)
 
 
-def waits_for_advice(check: ContactCheck, wanted: bool | None, budget: float | None, *, full: bool) -> bool:
-    """Return whether to look for advice: unless it is to be `full`, only where the next step needs it."""
+def waits_for_advice(
+    check: ContactCheck, wanted: bool | None, budget: float | None, display: options.Display
+) -> bool:
+    """Return whether to look for advice: unless all is displayed, only where the next step needs it."""
     from skincad.outputs.checks import awaits_advice
     from skincad.studies.advice import seconds_for_advice
 
     if check.passed or check.out_of_range or not seconds_for_advice(check, wanted, budget):
         return False
-    return full or wanted is True or awaits_advice(check)
+    return display.full or wanted is True or awaits_advice(check)
 
 
 def advised(
-    design: Design,
-    check: ContactCheck,
-    wanted: bool | None,
-    budget: float | None,
-    *,
-    full: bool,
-    quiet: bool = False,
+    design: Design, check: ContactCheck, wanted: bool | None, budget: float | None, display: options.Display
 ) -> ContactCheck:
-    """Return a check with its advice: all of it, each line printed when it is known, unless `quiet`; if
-    neither `full` nor `wanted`, the first change alone."""
+    """Return a check with its advice: all of it where all is displayed or it is `wanted`, each line printed
+    when it is known unless JSON is; else the first change alone."""
     from skincad.outputs.checks import advice_lines
     from skincad.studies.advice import advising, seconds_for_advice
 
-    seconds, whole = seconds_for_advice(check, wanted, budget), full or wanted is True
+    seconds, whole = seconds_for_advice(check, wanted, budget), display.full or wanted is True
     result, printed = check, 0
     steps = one_by_one(ADVICE_STAGES, partial(advising, design, check, budget=seconds))
     with closing(steps):  # the bar of a search that is left early
@@ -123,7 +118,7 @@ def advised(
                 break
             lines = advice_lines(result)[printed:]
             printed += len(lines)
-            if lines and whole and not quiet:
+            if lines and whole and not display.as_json:
                 say(*lines)
     return result
 

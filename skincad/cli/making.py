@@ -89,15 +89,13 @@ def make(
         )
         written = skincad.write(result, target, formats=formats, progress=progress)
     typed = as_typed(source, settings, **vars(workshop), model=model)
-    full = display.verbose or display.as_json
-    waits = result.check is not None and waits_for_advice(result.check, advice, budget, full=full)
+    waits = result.check is not None and waits_for_advice(result.check, advice, budget, display)
     if not display.as_json:
         deliver(result, written, display, typed, last=not waits)
     if opened:
         open_view(target)
     if waits and result.check is not None:
-        check = advised(design, result.check, advice, budget, full=full, quiet=display.as_json)
-        result = replace(result, check=check)
+        result = replace(result, check=advised(design, result.check, advice, budget, display))
         if not display.as_json:
             say(*result.next_line(typed))
     if display.as_json:

@@ -117,6 +117,11 @@ class Display:
     verbose: Verbose = False
     as_json: Json = False
 
+    @property
+    def full(self) -> bool:
+        """Whether all numbers are."""
+        return self.verbose or self.as_json
+
 
 def expanded(command: Callable[..., None]) -> Callable[..., None]:
     """Return a command with the fields of its option sets as its own parameters, each set's in its place."""

@@ -8,7 +8,7 @@ __getattr__, __dir__ = face(
     """
     assembly_drawing: AssemblyDrawing CutFace
     coupon: BAR_FORM CouponKit PAD_DESIGN PAD_FORM SILICONE coupon_forms coupon_sheet fit_bar_command
-        fit_pad_command no_growth_words read_command read_coupon
+        fit_pad_command read_command read_coupon
     crests: listed_crests printed_crests snapped_to_layers uncertain_ridges
     drawn_features: ABOVE FRONT Groove HoleGroup LEFT SideView Slit notches number views
     electrodes: SHOULDER electrode_findings fan_out
@@ -23,10 +23,10 @@ __getattr__, __dir__ = face(
     meshes: FINER laid manifold mesh print_chord upright
     orders: Order
     papers: environment
-    part_drawing: CrestAllowance DrawingTable PartDrawing Titled
+    part_drawing: DrawingTable PartDrawing Titled
     parts_list: parts_csv
-    patterns: GLUED_LENGTH HOLE StripPattern pattern_notes seal_pattern shim_notes
-        shim_patterns strip_patterns
+    patterns: GLUED_LENGTH HOLE StripPattern pattern_notes seal_pattern shim_patterns
+        strip_patterns
     pouring: DEAD_VOLUME LayerPour layer_name poured_volume pours
     printing: PrintPlate print_plates
     rules: Finding counted walls_close warning

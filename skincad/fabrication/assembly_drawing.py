@@ -25,17 +25,10 @@ from skincad.solids.shots import room
 CHORD = 5e-3  # mm, of arcs in the section: a tenth of a line's width at 10:1
 ASIDE = 1e-3  # mm, by which the cut lies beside the middle, where meshes may have edges
 LEAST_AREA = 0.05  # mm2; what is smaller is no face to be hatched or named
-BESIDE = {"screw", "stud", "nut", "washer", "threaded insert", "dowel pin", "clamp"}
-BESIDE |= {
-    "seal",
-    "shim",
-    "film strip",
-    "core pin",
-    "bone screw",
-    "bone",
-}  # of what is bought: not the bench's consumables
 _HARDWARE = {PartRole.SEAL: "seal", PartRole.SHIM: "shim", PartRole.STRIP: "film strip"}
 _HARDWARE |= {PartRole.CORE_PIN: "core pin", PartRole.BONE_SCREW: "bone screw", PartRole.BONE: "bone"}
+# of what is bought: not the bench's consumables
+BESIDE = {"screw", "stud", "nut", "washer", "threaded insert", "dowel pin", "clamp", *_HARDWARE.values()}
 
 
 class CutFace(NamedTuple):
@@ -48,24 +41,17 @@ class CutFace(NamedTuple):
     middle: Place
 
 
-class Balloon(NamedTuple):
-    """The number of a row of the parts list, and what it points to in the view from above."""
-
-    item: str
-    at: Place
-
-
 @dataclass(frozen=True, kw_only=True)
 class AssemblyDrawing(Titled):
     """The closed mold: the section's faces, y to the right and z up, and those of plugs, which lie in the
-    carrier's place while layers cure; the view from above, x to the right and y up, and its balloons; where
-    the section is cut, x, and whether a gate lies there."""
+    carrier's place while layers cure; the view from above, x to the right and y up, and its balloons, rows of
+    the parts list and what they point to; where the section is cut, x, and whether a gate lies there."""
 
     faces: tuple[CutFace, ...]
     plugs: tuple[CutFace, ...]
     plan: tuple[Stroke, ...]
     hidden: tuple[Stroke, ...]
-    balloons: tuple[Balloon, ...]
+    balloons: tuple[tuple[str, Place], ...]
     cut_at: float
     gate: bool
 
@@ -78,7 +64,6 @@ def assembly_drawing(job: Job) -> AssemblyDrawing:
     cut_at = job.place.centres[0]
     cells = ((n, row.quantity, row.what, row.designation, row.material) for n, row in in_it.items())
     plan, hidden = _from_above(job)
-    torque = "Tighten all screws by the casting sheet's torque, crosswise; the cover last."
     return AssemblyDrawing(
         name="assembly",
         document="assembly drawing",
@@ -90,13 +75,8 @@ def assembly_drawing(job: Job) -> AssemblyDrawing:
             "Items are the rows of parts-list.csv; what is used up at the bench stands there alone.",
             f"End a{' with the gate' if job.gate else ''} is at the left of the section. End b with vent and "
             "riser cup is raised while silicone is filled in.",
-            torque,
+            "Tighten all screws by the casting sheet's torque, crosswise; the cover last.",
         ),
-        process="",
-        material="",
-        tolerance="",
-        surface="",
-        cut_from_solid=False,
         faces=tuple(_faces(job, cut_at + ASIDE, made)),
         plugs=tuple(
             face
@@ -172,7 +152,7 @@ def _from_above(job: Job) -> tuple[tuple[Stroke, ...], tuple[Stroke, ...]]:
     return tuple({stroke.key(): stroke for stroke in seen}.values()), tuple(lanes)
 
 
-def _balloons(job: Job, rows: dict[str, Item]) -> Iterator[Balloon]:
+def _balloons(job: Job, rows: dict[str, Item]) -> Iterator[tuple[str, Place]]:
     """What holds the mold together: a screw of the cover, one of the end plates, a pin, nuts."""
     closed = job.closed
     cover, place = closed.first(PartRole.COVER), job.place
@@ -180,16 +160,16 @@ def _balloons(job: Job, rows: dict[str, Item]) -> Iterator[Balloon]:
     end = place.end + job.design.mold.end_plate
     for number_, item in rows.items():
         if item.what in ("screw", "stud") and item.place == "cover" and bolts:
-            yield Balloon(number_, _top(bolts[0].start))
+            yield number_, _top(bolts[0].start)
         elif item.what in ("screw", "stud") and item.place == "end plates":
-            yield Balloon(number_, (place.lanes[-1], -end - NUT / 2))
+            yield number_, (place.lanes[-1], -end - NUT / 2)
         elif item.what == "nut" and item.place == "end plates":
-            yield Balloon(number_, (place.lanes[0], end))
+            yield number_, (place.lanes[0], end)
         elif item.what == "threaded insert" and bolts and "mount" not in item.place:
-            yield Balloon(number_, _top(bolts[-1].start))
+            yield number_, _top(bolts[-1].start)
     for number_, item in rows.items():
         if item.what == "dowel pin" and pins:
-            yield Balloon(number_, _top(pins[0].start))
+            yield number_, _top(pins[0].start)
             return
 
 

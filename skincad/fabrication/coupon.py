@@ -46,7 +46,7 @@ from skincad.inputs.measurements import (
 from skincad.inputs.process import Process, processes
 from skincad.inputs.silicone import Silicone, silicones
 from skincad.solids import coupon as solids
-from skincad.solids.coupon import BAR, NOTCHES, coupon_parts, drawn_notches, drawn_steps, poured_volumes
+from skincad.solids.coupon import BAR, coupon_parts, drawn_notches, drawn_steps, poured_volumes
 from skincad.solids.plan import Part
 
 # of the pad, mm: assumptions. Three ridges, four times as large as those of plain-ridges, so that a nozzle of
@@ -318,14 +318,6 @@ def _tilt(place: Array, off: Array, group: NDArray[np.signedinteger[Any]]) -> fl
     return float(x @ y / (x @ x)) if x.any() else 0.0
 
 
-class MeasuredKey(NamedTuple):
-    """A key of a process as a coupon gave it, mm, with what its line says of where it is from."""
-
-    key: str
-    value: float
-    comment: str
-
-
 @record()
 class CouponReading(Result):
     """What the forms in `folder` say of the process `name`, which was `before`.
@@ -370,12 +362,12 @@ class CouponReading(Result):
 
     @reported(meaning="the process's keys that are known now", key="keys")
     def _keys(self) -> dict[str, float]:
-        return {row.key: row.value for row in self.keys}
+        return {key: value for key, (value, _) in self.keys.items()}
 
     @property
-    def keys(self) -> list[MeasuredKey]:
-        """The process's keys that are known now."""
-        return list(_keys(self))
+    def keys(self) -> dict[str, tuple[float, str]]:
+        """The process's keys that are known now, mm, with what their lines say of where they are from."""
+        return {key: (value, f"measured on a coupon: {comment}") for key, value, comment in _keys(self)}
 
     def to_toml(self) -> str:
         """Return one's own printer.toml with the process's keys as they are known now."""
@@ -383,7 +375,7 @@ class CouponReading(Result):
         if self.name not in document:
             document[self.name] = tomlkit.table()
         table: Any = document[self.name]
-        for key, value, comment in self.keys:
+        for key, (value, comment) in self.keys.items():
             item = tomlkit.item(value)
             item.comment(comment)
             table[key] = item
@@ -396,24 +388,17 @@ def _or_none(estimate: Estimate | None) -> Estimate:
     return estimate or Estimate(None, None, "mm")
 
 
-def _keys(reading: CouponReading) -> Iterator[MeasuredKey]:
-    by = "measured on a coupon"
-    if (notches := reading.notches) is not None:
-        if notches.gap:
-            shut = "the narrowest notch that is open, of the ladder's"
-            yield MeasuredKey("gap", float(notches.gap), f"{by}: {shut}")
-        if notches.growth:
-            comment = f"{by}: ± {notches.growth.error:.4f} (95 %)"
-            yield MeasuredKey("growth", round(float(notches.growth), 4), comment)
-    if (crests := reading.crests) is not None:
-        comment = f"{by}: ± {crests.sigma.error:.4f} (95 %)"
-        yield MeasuredKey("crest_sigma", round(float(crests.sigma), 4), comment)
-        comment = f"{by}: ± {crests.offset.error:.4f} (95 %)"
-        yield MeasuredKey("crest_offset", round(float(crests.offset), 4), comment)
+def _keys(reading: CouponReading) -> Iterator[tuple[str, float, str]]:
+    notches, crests = reading.notches, reading.crests
+    if notches is not None and notches.gap:
+        yield "gap", float(notches.gap), "the narrowest notch that is open, of the ladder's"
+    for key in ("growth", "crest_sigma", "crest_offset"):
+        estimate = getattr(reading, key)
+        if estimate.value is not None:
+            yield key, round(float(estimate), 4), f"± {estimate.error:.4f} (95 %)"
     worst = max((result.worst for result in (notches, crests) if result), default=0.0)
     if worst > reading.before.tolerance:
-        comment = f"{by}: the largest error of a side or a crest"
-        yield MeasuredKey("tolerance", round(worst, 4), comment)
+        yield "tolerance", round(worst, 4), "the largest error of a side or a crest"
 
 
 def read_coupon(
@@ -450,11 +435,4 @@ def read_coupon(
         notches=ladder,
         crests=steps,
         seconds=clock.seconds(),
-    )
-
-
-def no_growth_words() -> str:
-    """Return the words for a ladder that does not show the growth."""
-    return (
-        f"fewer than three notches are open: growth is not known, and the gap may be above {NOTCHES[-1]:g} mm"
     )

@@ -38,21 +38,15 @@ def primed(job: Job) -> bool:
 class Task(NamedTuple):
     """What is done, for how many minutes by hand, how many minutes nobody touches it afterwards, and how many
     minutes of what follows must end on the same day: primer is good for hours. Some begin a day after the
-    last cure."""
+    last cure. In a plan it has the day and the hour at which it begins."""
 
     what: str
     hands: float
     wait: float = 0.0
     then: float = 0.0
     a_day_after: bool = False
-
-
-class Entry(NamedTuple):
-    """A task in the plan: on which day and at which hour it begins."""
-
-    day: int
-    hour: float
-    task: Task
+    day: int = 0
+    hour: float = 0.0
 
     @property
     def clock(self) -> str:
@@ -72,18 +66,15 @@ def tasks(job: Job) -> list[Task]:
         wait = DRYING_MIN + LIGHT_MIN + 60 * BAKING_H
         rows.append(Task("wash, light and bake the printed parts", BATHS * BATH_MIN, wait))
         slowest = max(pour.silicone.cure_h or USUAL_CURE_H for pour in made_pours)
-        rows.append(
-            Task("cast the trial drops" if len(made_pours) > 1 else "cast the trial drop", 15, 60 * slowest)
-        )
+        drops = "drops" if len(made_pours) > 1 else "drop"
+        rows.append(Task(f"cast the trial {drops}", 15, 60 * slowest))
     if in_two_pucks(job):
         cures = math.fsum(pour.cure_h for pour in made_pours if pour.plug or pour == made_pours[-1])
         rows.append(Task("cast a puck on a puck, and peel them", 15, 60 * cures))
     rows.append(Task("prepare the parts, try them dry", PREPARING))
     drawn_in = lap(job) is not None
-    laying, layers = (
-        LAYING * strips,
-        _layers(job, made_pours),
-    )  # strips lie in the mold from the first pour on
+    # strips lie in the mold from the first pour on
+    laying, layers = LAYING * strips, _layers(job, made_pours)
     pour = _hands(job, made_pours[-1])
     if film is not None and not drawn_in:
         first = layers[0].hands if layers else pour
@@ -127,16 +118,16 @@ def _layers(job: Job, made: list[LayerPour]) -> list[Task]:
     return rows
 
 
-def day_plan(job: Job) -> list[Entry]:
+def day_plan(job: Job) -> list[Task]:
     """Return when each task begins: hands work from `BEGIN` to `END`, what cures goes on by night. A task
     longer than a day begins in the morning."""
-    entries, now, cured = list[Entry](), BEGIN, 0.0  # h from the first day's midnight
+    plan, now, cured = list[Task](), BEGIN, 0.0  # h from the first day's midnight
     for task in tasks(job):
         begin = _working(max(now, cured + 24.0) if task.a_day_after else now, task)
-        entries.append(Entry(1 + int(begin // 24), begin % 24, task))
+        plan.append(task._replace(day=1 + int(begin // 24), hour=begin % 24))
         now = begin + (task.hands + task.wait) / 60
         cured = now if task.wait else cured
-    return entries
+    return plan
 
 
 def _working(earliest: float, task: Task) -> float:

@@ -94,13 +94,6 @@ def _turned(part: Part, view: View) -> View:
     return View(right, up, tuple(shift.tolist()))
 
 
-class Hole(NamedTuple):
-    """One hole: its tag, and where it is in the view in which it is round, mm."""
-
-    tag: str
-    at: Place
-
-
 class SideView(NamedTuple):
     """A bore seen from its side: in which view, and where its axis starts and ends there, mm."""
 
@@ -114,7 +107,8 @@ class HoleGroup:
     """Holes that are alike, seen round in one view. Lengths mm; `depth` is None where they go through.
 
     A conical one's `far_diameter` is at the last of its `sides`, to which it opens; elsewhere both are the
-    same. `lean`, rad, is by how much its axis leans out of the view's line of sight.
+    same. `lean`, rad, is by how much its axis leans out of the view's line of sight. `holes` are by their
+    tags where they are in the view.
     """
 
     letter: str
@@ -128,7 +122,7 @@ class HoleGroup:
     limits: str  # of the diameter
     sides: tuple[str, ...]
     lean: float
-    holes: tuple[Hole, ...]
+    holes: dict[str, Place]
     side_views: tuple[SideView, ...]
     full: float | None = None  # depth of its full thread, where that is not all of it
     callout: str = ""  # the thread with its depths
@@ -208,7 +202,7 @@ def _group(job: Job, part: Part, letter: str, alike: list[_DrilledBore], seen: l
         limits=limits(job, part, first.role),
         sides=tuple(sides),
         lean=abs(first.lean),
-        holes=tuple(Hole(f"{letter}{i}", at) for i, at in enumerate(rows, 1)),
+        holes={f"{letter}{i}": at for i, at in enumerate(rows, 1)},
         side_views=tuple(_side_views(alike, [one for one in seen if one is not view])),
         full=full_thread(job, part, first.role, depth),
         callout=thread_words(job, part, first.role, depth),
@@ -381,9 +375,8 @@ def seat_lengths(part: Part, top: float) -> tuple[Length, ...]:
     level = sorted({s.start.x for s in straight.body.outline if abs(s.start.z) < SEAT_TOLERANCE})
     if len(level) < 4:
         return ()
-    across = (
-        " Ø" if any(isinstance(cut, TurnedBody) and cut.role is CutRole.TROUGH for cut in part.cuts) else ""
-    )
+    turned = any(isinstance(cut, TurnedBody) and cut.role is CutRole.TROUGH for cut in part.cuts)
+    across = " Ø" if turned else ""
     wide = Length(FRONT, "u", level[0], level[3], f"seat{across}")
     depth = Length(FRONT, "v", 0.0, top, "seat")
     skin = Length(FRONT, "u", level[1], level[2], f"skin{across}")

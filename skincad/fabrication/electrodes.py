@@ -42,16 +42,6 @@ COPLANAR = 0.12  # pF/mm of lead, source: see circuit/network.py, on a half spac
 LEAST_LEAD = 0.05  # mm, assumption: the narrowest line that a laser leaves or an etch resist keeps whole
 
 
-class Faces(NamedTuple):
-    """Outlines of the metal, mm: of the front, which is the + side, and of the back, both as seen from the
-    front; where they overlap; and their pads."""
-
-    front: Loop
-    back: Loop
-    overlap: Loop
-    pads: tuple[Loop, Loop]
-
-
 def half_gap(film: Film, depth: float) -> float:
     """Return half of what lies between the two faces' leads across a strip, mm: each may be off by the
     registration. Where that leaves no lead, a third of the electrode, and `electrode_findings` says so."""
@@ -79,9 +69,12 @@ def _edge(film: Film) -> float:
     return max(EDGE, film.margin)
 
 
-def faces(film: Film, depth: float, half: float, straight: float) -> Faces:
+def faces(
+    film: Film, depth: float, half: float, straight: float
+) -> tuple[Loop, Loop, Loop, tuple[Loop, Loop]]:
     """Return the metal of a strip of this `depth` in a skin of length 2 `half`, whose straight part ends at
-    x = `straight`, mm.
+    x = `straight`, mm: outlines of the front, which is the + side, and of the back, both as seen from the
+    front; where they overlap; and their pads.
 
     A lead fills its half of the strip up to the cut: there the other face is bare, so that no cut shorts it.
     """
@@ -98,7 +91,7 @@ def faces(film: Film, depth: float, half: float, straight: float) -> Faces:
     back = _outline([(left, -high, right, -low) for left, low, right, high in boxes])
     left, low, right, high = pad
     pads = rectangle(left, right, low, high), rectangle(left, right, -high, -low)
-    return Faces(front, back, rectangle(-inside, inside, -e, e), pads)
+    return front, back, rectangle(-inside, inside, -e, e), pads
 
 
 def _outline(boxes: list[tuple[float, float, float, float]]) -> Loop:
@@ -107,18 +100,10 @@ def _outline(boxes: list[tuple[float, float, float, float]]) -> Loop:
     return loop([Point(x, z) for x, z in shapely.orient_polygons(whole).exterior.coords[:-1]])
 
 
-class Capacitance(NamedTuple):
-    """Of a strip's electrodes with its error, and what its leads add at most, pF."""
+def strip_capacitance(job: Job) -> tuple[float, float, float]:
+    """Return what a meter reads between a strip's pads, its error, and what its leads add at most, pF.
 
-    value: float
-    error: float
-    leads: float
-
-
-def strip_capacitance(job: Job) -> Capacitance:
-    """Return what a meter reads between a strip's pads.
-
-    Its error: the faces' overlap where both are off by the registration across the strip, the film's
+    The error: the faces' overlap where both are off by the registration across the strip, the film's
     permittivity and thickness. Call where there are film and slot.
     """
     slot = job.skin.slot
@@ -128,7 +113,7 @@ def strip_capacitance(job: Job) -> Capacitance:
     value = capacitance(electrode(job.design), film.thickness, PERMITTIVITY[0]) / PICO
     narrower = 2 * film.registration / (slot.depth - 2 * film.margin)
     share = math.hypot(narrower, PERMITTIVITY[1] / PERMITTIVITY[0], FILM_THICKNESS)
-    return Capacitance(value, share * value, COPLANAR * (job.lead + tab(film)[0]))
+    return value, share * value, COPLANAR * (job.lead + tab(film)[0])
 
 
 def masked(job: Job) -> float:

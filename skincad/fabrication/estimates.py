@@ -334,63 +334,43 @@ def by_part(process_estimates: tuple[ProcessEstimate, ...]) -> dict[str, PartEst
     return {part.name: part for estimate in process_estimates for part in estimate.parts}
 
 
-def lines(job: Job, process_estimates: tuple[ProcessEstimate, ...]) -> list[str]:
-    """Return what each process takes as sentences."""
-    return [_line(estimate, job.processes[estimate.process]) for estimate in process_estimates]
-
-
-def _line(estimate: ProcessEstimate, process: Process) -> str:
-    count = f"{len(estimate.parts)} part" + "s" * (len(estimate.parts) != 1)
-    on = f" on {estimate.plates} plate" + "s" * (estimate.plates != 1) if estimate.plates else ""
-    what = f"{estimate.mass.span()} of {'material' if estimate.plates else 'stock'}"
-    prices = f"{process.price:g} EUR/kg and {process.rate:g} EUR/h"
-    return (
-        f"By {estimate.process}, {count}{on}: {what}, {estimate.time.span()}, {estimate.cost.span()} "
-        f"at {prices}."
-    )
-
-
 def _of_process(
     name: str, process: Process, parts: list[Part], prints: Mapping[str, trimesh.Trimesh]
 ) -> ProcessEstimate:
     shapes = {part.name: prints[part.name] for part in parts}
     took = {part.name: _effort(part, shapes[part.name], process) for part in parts}
+    groups = [[part.name] for part in parts]
     if process.layer > 0:
         lying = [BedPart(n, *map(float, shape.extents)) for n, shape in shapes.items()]
-        groups = [[part.name for part in plate] for plate in plates(lying, process)]
+        groups = [[spot.name for spot in plate] for plate in plates(lying, process)]
+        basis = RESIN if process.exposure > 0 else FILAMENT
     else:
-        groups = [[part.name] for part in parts]
+        basis = MILLED if process.removal_rate > 0 else WIRED
     together = max if process.exposure > 0 else math.fsum
-    cost: dict[str, Estimate] = {}
-    hours = 0.0
+    rows, hours = dict[str, PartEstimate](), 0.0
     for group in groups:
         alone = {n: took[n].seconds / HOUR for n in group}
         long, total = float(together(alone.values())), math.fsum(alone.values())
         hours += long
         for n in group:
-            share = alone[n] / total * long if total else 0.0
             grams = took[n].volume * process.density / 1000
-            cost[n] = _cost(grams, share, process.setup / MINUTES / len(group), process)
-    basis = _basis(process)
-    part_estimates = tuple(
-        PartEstimate(
-            name=n,
-            process=name,
-            mass=_mass(took[n], process),
-            time=_time(took[n].seconds / HOUR, process),
-            cost=cost[n],
-            basis=basis,
-        )
-        for n in took
-    )
-    mass, price = _sum([part.mass for part in part_estimates]), _sum([part.cost for part in part_estimates])
+            share = alone[n] / total * long if total else 0.0
+            rows[n] = PartEstimate(
+                name=n,
+                process=name,
+                mass=Estimate(grams, grams * process.mass_error, "g"),
+                time=Estimate(alone[n], alone[n] * process.time_error, "h"),
+                cost=_cost(grams, share, process.setup / MINUTES / len(group), process),
+                basis=basis,
+            )
+    estimated = tuple(rows[n] for n in took)
     return ProcessEstimate(
         process=name,
-        parts=part_estimates,
+        parts=estimated,
         plates=len(groups) if process.layer else 0,
-        mass=mass,
-        time=_time(hours, process),
-        cost=price,
+        mass=_sum([part.mass for part in estimated]),
+        time=Estimate(hours, hours * process.time_error, "h"),
+        cost=_sum([part.cost for part in estimated]),
     )
 
 
@@ -400,21 +380,6 @@ def _effort(part: Part, shape: trimesh.Trimesh, process: Process) -> MachineEffo
     if process.exposure > 0:
         return MachineEffort(part.volume, exposure_time(float(shape.extents[2]), process))
     return filament(shape, process, notched=part.role is PartRole.COMB)
-
-
-def _basis(process: Process) -> str:
-    if process.layer:
-        return RESIN if process.exposure > 0 else FILAMENT
-    return MILLED if process.removal_rate > 0 else WIRED
-
-
-def _mass(effort: MachineEffort, process: Process) -> Estimate:
-    grams = effort.volume * process.density / 1000
-    return Estimate(grams, grams * process.mass_error, "g")
-
-
-def _time(hours: float, process: Process) -> Estimate:
-    return Estimate(hours, hours * process.time_error, "h")
 
 
 def _cost(grams: float, hours: float, setup: float, process: Process) -> Estimate:

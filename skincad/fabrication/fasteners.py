@@ -60,22 +60,13 @@ NUT = 4.0  # mm, assumption: nut and washer of an M3 bolt
 PIN_LENGTHS = (5, 6, 8, 10, 12, 14, 16, 18, 20)
 
 
-class Screw(NamedTuple):
-    """A thread's name and major diameter, mm (ISO 261)."""
-
-    name: str
-    diameter: float
-
-
-SCREW = Screw("M3", 3.0)
+SCREW = "M3"
 
 
 def is_pressed(part: Part, role: CutRole) -> bool:
     """Whether a pin is pressed into this part, and so slides in the other one."""
-    return (part.role, role) in {
-        (PartRole.COVER, CutRole.COVER_PIN),
-        (PartRole.BASE, CutRole.BASE_PIN),
-    } or (part.role in CAVITIES and role is CutRole.END_PIN)
+    lids = {(PartRole.COVER, CutRole.COVER_PIN), (PartRole.BASE, CutRole.BASE_PIN)}
+    return (part.role, role) in lids or (part.role in CAVITIES and role is CutRole.END_PIN)
 
 
 def mount_thread(job: Job) -> BlindThread | None:
@@ -90,9 +81,8 @@ def full_thread(job: Job, part: Part, role: CutRole, depth: float | None) -> flo
         return None
     if role is CutRole.MOUNT and (blind := mount_thread(job)):
         return blind.most
-    bottoming = role is CutRole.PULL or (
-        role is CutRole.END_THREAD and job.bent and end_screws(job).bottoming
-    )
+    into_ends = role is CutRole.END_THREAD and job.bent
+    bottoming = role is CutRole.PULL or (into_ends and end_screws(job).bottoming)
     return depth - (PITCH if bottoming else RUN_OUT)
 
 
@@ -131,18 +121,12 @@ def purpose(job: Job, part: Part, role: CutRole) -> str:
     return _FOR[role]
 
 
-class Threads(NamedTuple):
-    """Threads that come alike: their name, how their inserts are set, "" where they are tapped, how deep, ""
-    where that is all of their holes, and the parts that have them."""
+def threads(job: Job) -> list[tuple[str, str, str, list[str]]]:
+    """Return the threads that are still to be made, by what brings them: a shop taps those of metal.
 
-    name: str
-    how: str
-    deep: str
-    parts: list[str]
-
-
-def threads(job: Job) -> list[Threads]:
-    """Return the threads that are still to be made, by what brings them: a shop taps those of metal."""
+    Of those that come alike: their name, how their inserts are set, "" where they are tapped, how deep, ""
+    where that is all of their holes, and the parts that have them.
+    """
     where: dict[str, list[str]] = {}
     for part in job.closed.made:
         process = job.process(part)
@@ -155,7 +139,7 @@ def threads(job: Job) -> list[Threads]:
     for what, names in where.items():
         kind, _, how = what.partition(" insert, ")
         name, _, deep = what.partition(" x ")
-        rows.append(Threads(kind if how else name, how, "" if how else deep, names))
+        rows.append((kind if how else name, how, "" if how else deep, names))
     return rows
 
 
@@ -172,7 +156,7 @@ def thread(job: Job, part: Part, role: CutRole) -> str:
         how = f"insert, {blind.insert}" if blind.insert else f"x {blind.most:g}"  # deep, by ISO 6410-1
         return f"{job.design.mounting.thread} {how}"
     insert = job.fits(part).insert
-    return f"{SCREW.name} insert, {insert}" if insert and role is not CutRole.PULL else SCREW.name
+    return f"{SCREW} insert, {insert}" if insert and role is not CutRole.PULL else SCREW
 
 
 def limits(job: Job, part: Part, role: CutRole) -> str:

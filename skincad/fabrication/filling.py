@@ -159,16 +159,20 @@ class _Face(NamedTuple):
     corners: Points  # (n, 3) mm
 
 
+_Link = tuple[int, int, Points]  # two cells and the face that they share
+_Pieces = tuple[list[Points], list[_Link], list[_Face]]  # of a body: cells, links between them, outer faces
+
+
 @dataclass(frozen=True)
 class Cells:
     """Convex cells of a void with their passages; corners `(n, 3)` mm in the mold's frame."""
 
+    void: Void
     corners: tuple[Points, ...]
     space: tuple[int, ...]  # of each cell
     pairs: Array  # (n, 2), cells that share a face
     passages: tuple[Points, ...]  # that face
     outlets: tuple[tuple[int, Points], ...]  # cell and its face to the open air
-    rim: Points | None
 
 
 class TrappedAir(NamedTuple):
@@ -194,36 +198,30 @@ def cells(space: Void, tolerance: float) -> Cells:
     turns its level faces.
     Raises RefusedError when a prism's section can't be cut into triangles.
     """
-    corners: list[Points] = []
-    owner: list[int] = []
-    links: list[tuple[int, int]] = []
-    passages: list[Points] = []
-    faces: list[_Face] = []
+    corners, owner, links, faces = list[Points](), list[int](), list[_Link](), list[_Face]()
     outlets: list[tuple[int, Points]] = []
     for index, part in enumerate(space.spaces):
-        first = len(corners)
-        if isinstance(part.body, TurnedBody):
-            pieces = _turned(part.body, tolerance)
-        elif isinstance(part.body, Prism):
-            pieces = _prism(part.body, tolerance)
-        elif isinstance(part.body, Bore):
-            pieces = _bore(part.body, tolerance)
+        first, body = len(corners), part.body
+        if isinstance(body, TurnedBody):
+            pieces, inner, outer = _turned(body, tolerance)
+        elif isinstance(body, Prism):
+            pieces, inner, outer = _prism(body, tolerance)
+        elif isinstance(body, Bore):
+            pieces, inner, outer = _bore(body, tolerance)
         else:
             raise RefusedError(f"{part.name}: how it fills is known of prisms, bores and round skins alone")
-        corners += pieces.corners
-        owner += [index] * len(pieces.corners)
-        links += [(first + a, first + b) for a, b in pieces.pairs]
-        passages += pieces.passages
-        part_faces = [face._replace(cell=first + face.cell) for face in pieces.faces]
-        faces += part_faces
+        corners += pieces
+        owner += [index] * len(pieces)
+        links += [(first + a, first + b, shared) for a, b, shared in inner]
+        outer = [face._replace(cell=first + face.cell) for face in outer]
+        faces += outer
         if part.open_at is not None:
-            up = [f for f in part_faces if (f.axis, f.outward) == (2, 1)]
+            up = [f for f in outer if (f.axis, f.outward) == (2, 1)]
             outlets += [(f.cell, f.corners) for f in up if abs(f.corners[0, 2] - part.open_at) < TOUCH]
-    for a, b, shared in _contacts(faces):
-        links.append((a, b))
-        passages.append(shared)
-    pairs = np.array(links, dtype=int).reshape(-1, 2)
-    return Cells(tuple(corners), tuple(owner), pairs, tuple(passages), tuple(outlets), space.rim)
+    links += _contacts(faces)
+    pairs = np.array([link[:2] for link in links], dtype=int).reshape(-1, 2)
+    passages = tuple(shared for *_, shared in links)
+    return Cells(space, tuple(corners), tuple(owner), pairs, passages, tuple(outlets))
 
 
 def escape(partition: Cells, up: Points) -> Array:
@@ -237,7 +235,8 @@ def escape(partition: Cells, up: Points) -> Array:
         before = level.copy()
         np.maximum.at(level, one, np.minimum(before[other], passage))
         np.maximum.at(level, other, np.minimum(before[one], passage))
-    return level if partition.rim is None else np.minimum(level, (partition.rim @ up).min())
+    rim = partition.void.rim
+    return level if rim is None else np.minimum(level, (rim @ up).min())
 
 
 def trapped(partition: Cells, up: Points, ignored: frozenset[int] = frozenset()) -> list[TrappedAir]:
@@ -261,15 +260,12 @@ def _trapped(partition: Cells, up: Points, members: tuple[int, ...], level: floa
     heights = points @ up
     highest = points[int(np.argmax(heights))]
     lowest = max(level, float(heights.min()))
-    volume = math.fsum(_above(partition.corners[i], up, level) for i in members)
+    hulls = [Manifold.hull_points(partition.corners[i]) for i in members]
+    if np.isfinite(level):
+        hulls = [hull.trim_by_plane(tuple(up), level) for hull in hulls]
+    volume = math.fsum(hull.volume() for hull in hulls)
     x, y, z = (float(v) for v in highest)
     return TrappedAir(members, level, volume, (x, y, z), float(heights.max()) - lowest)
-
-
-def _above(corners: Points, up: Points, level: float) -> float:
-    """Volume of a convex cell above a level, mm3."""
-    whole = Manifold.hull_points(corners)
-    return float((whole.trim_by_plane(tuple(up), level) if np.isfinite(level) else whole).volume())
 
 
 def _tops(shapes: tuple[Points, ...], up: Points) -> Array:
@@ -277,45 +273,37 @@ def _tops(shapes: tuple[Points, ...], up: Points) -> Array:
     return np.maximum.reduceat(np.vstack(shapes) @ up, starts) if shapes else np.empty(0)
 
 
-class _CellMesh(NamedTuple):
-    corners: list[Points]
-    pairs: list[tuple[int, int]]
-    passages: list[Points]
-    faces: list[_Face]
-
-
-def _prism(prism: Prism, tolerance: float) -> _CellMesh:
+def _prism(prism: Prism, tolerance: float) -> _Pieces:
     """Cut a prism along its length into triangular ones, joined along the edges that they share."""
     loops = [curves.polygon(prism.outline, tolerance)]
     loops += [curves.polygon(hole, tolerance)[::-1] for hole in prism.holes]
     plane, third = np.vstack(loops), 1 if prism.axis == "y" else 2
     first = np.cumsum([0, *(len(points) for points in loops)])
     rim = {(i, a + (i - a + 1) % (b - a)) for a, b in pairwise(first) for i in range(a, b)}
-    pieces = _CellMesh([], [], [], [])
+    cells, links, faces = list[Points](), list[_Link](), list[_Face]()
     open_edges: dict[tuple[int, int], int] = {}
     low, high = (_lifted(plane, third, level) for level in (prism.low, prism.high))
     for cell, triangle in enumerate(np.asarray(triangulate(loops)).tolist()):
         ends = [low[triangle], high[triangle]]
-        pieces.corners.append(np.vstack(ends))
-        pieces.faces.extend([_Face(cell, third, sign, end) for sign, end in zip((-1, 1), ends, strict=True)])
+        cells.append(np.vstack(ends))
+        faces += [_Face(cell, third, sign, end) for sign, end in zip((-1, 1), ends, strict=True)]
         for edge in zip(triangle, (*triangle[1:], triangle[0]), strict=True):
             one, other = edge
             side = np.array([low[one], low[other], high[other], high[one]])
             if edge in rim:
                 if third == 1 and abs(plane[edge[0], 1] - plane[edge[1], 1]) < TOUCH:
                     outward = 1 if plane[edge[0], 0] > plane[edge[1], 0] else -1  # material on the left
-                    pieces.faces.append(_Face(cell, 2, outward, side))
+                    faces.append(_Face(cell, 2, outward, side))
             elif edge[::-1] in open_edges:
-                pieces.pairs.append((open_edges.pop(edge[::-1]), cell))
-                pieces.passages.append(side)
+                links.append((open_edges.pop(edge[::-1]), cell, side))
             else:
                 open_edges[edge] = cell
     if open_edges:
         raise RefusedError("a prism's triangles do not share all inner edges; report it with the design")
-    return pieces
+    return cells, links, faces
 
 
-def _turned(body: TurnedBody, tolerance: float) -> _CellMesh:
+def _turned(body: TurnedBody, tolerance: float) -> _Pieces:
     """Cut what turns into wedges, a triangle of its loop from one angle to the next, each with plane faces:
     joined along the edges that triangles share, and round the turn. The highest of a level face lies at a
     quarter turn, so it is exact."""
@@ -324,42 +312,37 @@ def _turned(body: TurnedBody, tolerance: float) -> _CellMesh:
     count = 4 * math.ceil(turn_steps(2 * math.pi, reach, TURN_CHORD) / 4)
     angles = 2 * math.pi * np.arange(count) / count
     t, n = flat.T
-    rings = [body.placed(np.column_stack([t * c, t * s, n])) for c, s in zip(*_around(angles), strict=True)]
+    # exact at the quarters
+    circle = np.column_stack([np.cos(angles), np.sin(angles)]).round(15).tolist()
+    rings = [body.placed(np.column_stack([t * c, t * s, n])) for c, s in circle]
     triangles = np.asarray(triangulate([flat])).tolist()
     owner = {edge: i for i, corners in enumerate(triangles) for edge in _edges(corners)}
-    pieces = _CellMesh([], [], [], [])
+    cells, links, faces = list[Points](), list[_Link](), list[_Face]()
     for step, low in enumerate(rings):
         high = rings[(step + 1) % count]
         first, after = step * len(triangles), (step + 1) % count * len(triangles)
         for i, triangle in enumerate(triangles):
-            pieces.corners.append(np.vstack([low[triangle], high[triangle]]))
-            pieces.pairs.append((first + i, after + i))
-            pieces.passages.append(high[triangle])
+            cells.append(np.vstack([low[triangle], high[triangle]]))
+            links.append((first + i, after + i, high[triangle]))
             for one, other in _edges(triangle):
                 side = np.array([low[one], low[other], high[other], high[one]])
                 neighbour = owner.get((other, one))
                 if neighbour is None and abs(n[one] - n[other]) < TOUCH:
-                    pieces.faces.append(_Face(first + i, 2, 1 if t[one] > t[other] else -1, side))
+                    faces.append(_Face(first + i, 2, 1 if t[one] > t[other] else -1, side))
                 elif neighbour is not None and neighbour > i:
-                    pieces.pairs.append((first + i, first + neighbour))
-                    pieces.passages.append(side)
-    return pieces
+                    links.append((first + i, first + neighbour, side))
+    return cells, links, faces
 
 
 def _edges(corners: list[int]) -> list[tuple[int, int]]:
     return list(pairwise([*corners, corners[0]]))
 
 
-def _around(angles: Array) -> tuple[list[float], list[float]]:
-    """Cosines and sines of even angles, exact at the quarters."""
-    return np.cos(angles).round(15).tolist(), np.sin(angles).round(15).tolist()
-
-
 def _lifted(points: Points, third: int, level: float) -> Points:
     return np.insert(points, third, level, axis=1)
 
 
-def _bore(bore: Bore, tolerance: float) -> _CellMesh:
+def _bore(bore: Bore, tolerance: float) -> _Pieces:
     """A bore is one convex cell; its corners lie at the quarters, so that its highest line is exact."""
     count = bore.circle(tolerance, multiple=4)
     turn = 2 * math.pi * np.arange(count) / count
@@ -371,10 +354,10 @@ def _bore(bore: Bore, tolerance: float) -> _CellMesh:
         for radius, along in ((bore.radius, 0.0), (bore.far_radius, bore.length))
     ]
     faces = [_Face(0, third, sign, cap) for sign, cap in zip((-1, 1), caps, strict=True)]
-    return _CellMesh([np.vstack(caps)], [], [], faces)
+    return [np.vstack(caps)], [], faces
 
 
-def _contacts(faces: list[_Face]) -> Iterator[tuple[int, int, Points]]:
+def _contacts(faces: list[_Face]) -> Iterator[_Link]:
     """Pairs of cells whose faces meet, looking opposite ways on one plane, with what they share."""
     planes: dict[tuple[int, int], tuple[list[_Face], list[_Face]]] = defaultdict(lambda: ([], []))
     for face in faces:
@@ -414,11 +397,7 @@ class _Surface(NamedTuple):
     edge: shapely.LineString  # (x, z) mm
 
 
-class _Filling(NamedTuple):
-    space: Void
-    cells: Cells
-    surfaces: list[_Surface]
-    tilted: bool
+_Filling = tuple[Cells, list[_Surface], bool]  # what fills, what bounds the skin, whether the mold is tilted
 
 
 def pockets(job: Job, tilt: float | None = None) -> tuple[AirPocket, ...]:
@@ -521,7 +500,7 @@ def _fillings(job: Job) -> list[_Filling]:
     if job.gate is None:
         spaces.append((open_trough(closed), False))
     surfaces = _surfaces(closed, job.skin.family)
-    return [_Filling(space, cells(space, CHORD), surfaces, tilted) for space, tilted in spaces]
+    return [(cells(space, CHORD), surfaces, tilted) for space, tilted in spaces]
 
 
 def _surfaces(closed: ClosedMold, family: str) -> list[_Surface]:
@@ -550,16 +529,16 @@ def _surfaces(closed: ClosedMold, family: str) -> list[_Surface]:
 
 def _pockets(fillings: list[_Filling], tilt: float) -> list[AirPocket]:
     pockets = []
-    for filling in fillings:
-        ignored = frozenset(i for i, part in enumerate(filling.space.spaces) if part.beside is PartRole.COVER)
-        up = vertical(tilt if filling.tilted else 0.0)
-        pockets += [_pocket(filling, up, air) for air in trapped(filling.cells, up, ignored)]
+    for partition, surfaces, tilted in fillings:
+        spaces, up = partition.void.spaces, vertical(tilt if tilted else 0.0)
+        ignored = frozenset(i for i, part in enumerate(spaces) if part.beside is PartRole.COVER)
+        pockets += [_pocket(partition, surfaces, up, air) for air in trapped(partition, up, ignored)]
     return sorted((p for p in pockets if p.volume >= LEAST_POCKET), key=lambda p: (-p.volume, p.place))
 
 
-def _pocket(filling: _Filling, up: Points, air: TrappedAir) -> AirPocket:
+def _pocket(partition: Cells, surfaces: list[_Surface], up: Points, air: TrappedAir) -> AirPocket:
     """Name what the air lies under: all that it touches has a corner of a cell above the air's level."""
-    partition, spaces = filling.cells, filling.space.spaces
+    spaces = partition.void.spaces
     skin = [c for c in air.cells if spaces[partition.space[c]].beside is PartRole.SKIN]
     if not skin:
         first = min(air.cells, key=lambda c: -float((partition.corners[c] @ up).max()))
@@ -570,13 +549,13 @@ def _pocket(filling: _Filling, up: Points, air: TrappedAir) -> AirPocket:
     touched = [(p, h) for p, h in zip(corners, heights, strict=True) if h > air.level]
     turns = any(isinstance(space.body, TurnedBody) for space in spaces)
     points = shapely.points([(math.hypot(p[0], p[1]) if turns else p[0], p[2]) for p, _ in touched])
-    names = [[s for s in filling.surfaces if s.edge.distance(point) < SURFACE_TOLERANCE] for point in points]
+    names = [[s for s in surfaces if s.edge.distance(point) < SURFACE_TOLERANCE] for point in points]
     top = int(np.argmax([h for _, h in touched]))
     place = touched[top][0]
     where, alike = (names[top][0].name, names[top][0].alike) if names[top] else ("skin", "skin")
     ends = {-1: ", at end a's edge", 1: ", at end b's edge"}
     edge = ends.get(int(np.sign(place[1])), "") if abs(up[1]) > 0 else ""
-    relief = any(s.relief for surfaces in names for s in surfaces)
+    relief = any(s.relief for meeting in names for s in meeting)
     x, y, z = (float(v) for v in place)
     harm: Literal["relief", "body"] = "relief" if relief else "body"
     return AirPocket(where + edge, where + edge if edge else alike, (x, y, z), air.volume, air.height, harm)

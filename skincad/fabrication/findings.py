@@ -76,12 +76,11 @@ def part_findings(case: Case) -> list[Finding]:
 
 def _with_others(finding: Finding, findings_by_process: dict[str, list[Finding]]) -> Finding:
     """Add to a remedy the processes that make the part without a warning and without this finding."""
+    same = finding.rule, finding.where
     able = [
         name
-        for name, findings in findings_by_process.items()
-        if not any(
-            f.severity != "note" or (f.rule, f.where) == (finding.rule, finding.where) for f in findings
-        )
+        for name, others in findings_by_process.items()
+        if all(f.severity == "note" and (f.rule, f.where) != same for f in others)
     ]
     return replace(finding, remedy=f"{finding.remedy}; or by {' or '.join(able)}") if able else finding
 
@@ -201,9 +200,8 @@ def undercut_findings(job: Job) -> list[Finding]:
     if not caught:
         return []
     material = job.silicone
-    breaks = (
-        f"{SAFE_SHARE:g} of {material.name}'s {100 * material.elongation_at_break:.0f} % elongation at break"
-    )
+    most = 100 * material.elongation_at_break
+    breaks = f"{SAFE_SHARE:g} of {material.name}'s {most:.0f} % elongation at break"
     cure = _cure(job)
     alike: dict[object, list[int]] = {}
     pins = job.skin.symmetry == "revolved"
@@ -212,16 +210,9 @@ def undercut_findings(job: Job) -> list[Finding]:
     findings = []
     for first, *others in alike.values():
         undercut, more = caught[first], f" and {len(others)} more, less" if others else ""
-        findings.append(
-            (error if undercut.strain > limit else note)(
-                "undercut",
-                f"{job.skin.named(first)}{more}, {undercut.width:.4f} mm wide",
-                undercut.strain,
-                limit,
-                "squeezed",
-                f"{cure} (limit: {breaks})",
-            )
-        )
+        where = f"{job.skin.named(first)}{more}, {undercut.width:.4f} mm wide"
+        severity, remedy = error if undercut.strain > limit else note, f"{cure} (limit: {breaks})"
+        findings.append(severity("undercut", where, undercut.strain, limit, "squeezed", remedy))
     return findings
 
 
@@ -251,15 +242,11 @@ def closing_findings(job: Job) -> Iterator[Finding]:
     modulus = job.lid_process.part_modulus
     measured = bow(place.spans, place.lid, modulus)
     if measured > MOST_BOW * (1 + 1e-9):
-        remedy = (
-            f"mold.cover of {thick_enough(place.spans, modulus, STOCK):g} mm, or a stiffer mold.lid_process"
-        )
+        thick = thick_enough(place.spans, modulus, STOCK)
+        remedy = f"mold.cover of {thick:g} mm, or a stiffer mold.lid_process"
         yield warning("cover bow", "cover, under 10 kPa", measured, MOST_BOW, "mm", remedy)
-    off, most, where = (
-        stack_error(job.cast, place.spans, place.lid),
-        SEAL_PLAY * SHEETS[-1],
-        "carrier and keepers, under the ",
-    )
+    off, most = stack_error(job.cast, place.spans, place.lid), SEAL_PLAY * SHEETS[-1]
+    where = "carrier and keepers, under the "
     if job.bent and not job.closed.of(PartRole.SEAL):
         remedy = "lap the carrier's top until the cover lies on the cavity, or make the skin longer, or its "
         remedy += "curvature_radius_y larger, so that the narrow top has room for a seal"

@@ -89,12 +89,9 @@ def _measures(job: Job, crests: Crests) -> list[Measure]:
         tool = MICROSCOPE * math.sqrt(2) / spans
         rows.append(_size("mean pitch", skin.pitch, 2 * body.tolerance / spans, tool, crests, how))
     if base.round:
-        near = 2 * walls_close(job, body)
-        how = "callipers, lightly, twice square to each other"
-        rows.append(
-            _size("diameter of the back", base.width - near, 2 * body.tolerance, CALLIPERS, crests, how)
-        )
-        return [*rows, _mass(job, crests)]
+        wide, how = base.width - 2 * walls_close(job, body), "callipers, lightly, twice square to each other"
+        size = _size("diameter of the back", wide, 2 * body.tolerance, CALLIPERS, crests, how)
+        return [*rows, size, _mass(job, crests)]
     what, end_to_end = _length(job.design)
     how = "callipers, lightly"
     near = walls_close(job, body)
@@ -109,9 +106,8 @@ def _length(design: Design) -> tuple[str, float]:
     radius, skin = design.skin.curvature_radius_y, design.skin
     if radius is None:
         return "length along the ridges" if design.ridge else "length along y", skin.length
-    return "length of the back, straight from end to end", 2 * (radius - skin.thickness) * math.sin(
-        skin.length / 2 / radius
-    )
+    half = (radius - skin.thickness) * math.sin(skin.length / 2 / radius)
+    return "length of the back, straight from end to end", 2 * half
 
 
 def _size(what: str, nominal: float, mold: float, tool: float, crests: Crests, how: str) -> Measure:

@@ -11,13 +11,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from skincad.base.arrays import Array
 from skincad.fabrication.crests import listed_crests, snapping_remarks, uncertain_ridges
 from skincad.fabrication.job import Job
 from skincad.fabrication.rules import (
@@ -79,7 +79,7 @@ def left_standing(outline: Loop, radius: float, *, from_above: bool = False) -> 
     """
     rows = [s.points(np.linspace(0, 1, max(_SAMPLES, s.pieces(CHORD)) + 1)) for s in outline]
     body = shapely.Polygon(polygon(outline, CHORD))
-    solid = body.union(_shade(np.asarray(body.exterior.coords))) if from_above else body
+    solid = body.union(_shade(body)) if from_above else body
     quarter = max(8, math.ceil(math.pi / 4 / math.sqrt(CHORD / max(2 * radius, CHORD))))
     # what the tool's centre can't enter is the solid grown by r; what it reaches is the rest grown by r
     room = shapely.box(*body.bounds).buffer(4 * radius, join_style="mitre")
@@ -98,19 +98,15 @@ def corner(radius: float, angle: float) -> float:
     return radius * (1 / math.sin(angle / 2) - 1)
 
 
-def _shade(corners: Array) -> shapely.Geometry:
+def _shade(body: shapely.Polygon) -> shapely.Geometry:
     """Everything straight below an outline's overhanging edges, down to its lowest level."""
-    low = corners[:, 1].min()
+    corners, low = shapely.orient_polygons(body).exterior.coords, body.bounds[1]
     quads = [
         shapely.Polygon([(a[0], low), (b[0], low), b, a])
-        for a, b in zip(_ccw(corners)[:-1], _ccw(corners)[1:], strict=True)
+        for a, b in pairwise(corners)
         if b[0] > a[0] and max(a[1], b[1]) > low
     ]
     return shapely.union_all(quads)
-
-
-def _ccw(corners: Array) -> Array:
-    return corners if shapely.is_ccw(shapely.LinearRing(corners)) else corners[::-1]
 
 
 def _edges(region: shapely.Geometry) -> NDArray[np.object_]:
@@ -250,10 +246,8 @@ def _build_volume(case: Case) -> Iterator[Finding]:
     long = _too_long(case.part, case.process)
     if long is None:
         return
-    design, remedy = (
-        case.job.design,
-        f"a larger machine (build_x, build_y and build_z in [printer.{case.name}])",
-    )
+    design = case.job.design
+    remedy = f"a larger machine (build_x, build_y and build_z in [printer.{case.name}])"
     for count in range(design.mold.cavities - 1, 0, -1):
         fewer = mold(design.with_(mold={"cavities": count}))
         if _too_long(fewer.first(case.part.role), case.process) is None:
@@ -421,9 +415,8 @@ def _straight_cut(case: Case) -> Iterator[Finding]:
         remedy = (
             "mill or print it: the cavity of a round skin without pins is turned, with a mold.block_process"
         )
-        yield error(
-            "tool reach", f"{case.part.role.label}, by a lathe, which does not make it", 1.0, 0.0, "", remedy
-        )
+        where = f"{case.part.role.label}, by a lathe, which does not make it"
+        yield error("tool reach", where, 1.0, 0.0, "", remedy)
     if case.process.tool == "wire" and case.part.straight and case.job.design.skin.round:
         where, remedy = "a trough that turns, which a wire does not cut", "mill, sink-erode or print it"
         yield error("tool reach", f"{case.part.role.label}, {where}", 1.0, 0.0, "", remedy)

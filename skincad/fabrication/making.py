@@ -222,7 +222,7 @@ def bone_findings(design: Design) -> list[Finding]:
     from skincad.mechanics.check import check
     from skincad.mechanics.models.table import unsupported_reason
 
-    top = least_over(design)
+    top, where = least_over(design), "taken as a flat back by the check"
     bare = {"mold": dict.fromkeys(("bone", "bone_at", "bone_turn", "bone_bond"))}
     shots = tuple(
         shot.model_copy(update={"thickness": shot.thickness - top}) if shot.thickness else shot
@@ -234,11 +234,7 @@ def bone_findings(design: Design) -> list[Finding]:
     try:
         high = check(design.with_(**bare, **raised), model=model)
     except InputError:
-        return [
-            note(
-                "bone", "taken as a flat back by the check", top, 0.0, "mm", "no model takes what is over it"
-            )
-        ]
+        return [note("bone", where, top, 0.0, "mm", "no model takes what is over it")]
     before, after, unit = flat.all_touch_force, high.all_touch_force, "N"
     touch = f"all touch at {float(after):.3g} N in the place of {float(before):.3g} N, and "
     if skin_of(design).symmetry == "none":
@@ -248,7 +244,7 @@ def bone_findings(design: Design) -> list[Finding]:
         f"{design.contact.force:g} N the plate comes {float(high.approach):.3g} mm down, not "
         f"{float(flat.approach):.3g} ({model} model): the bone lies between"
     )
-    return [note("bone", "taken as a flat back by the check", float(after), float(before), unit, words)]
+    return [note("bone", where, float(after), float(before), unit, words)]
 
 
 def passes(check: ContactCheck | None, findings: tuple[Finding, ...], strict: bool) -> bool:
@@ -330,16 +326,11 @@ def _build(
                 build.solid(part)
     if measured:
         with watch.stage("measuring"):
-            reports = [
-                _report(part, build.solid(part).val(), shape, chord, allowed) for part, shape in shapes
-            ]
+            reports = [_report(p, build.solid(p).val(), shape, chord, allowed) for p, shape in shapes]
     else:
-        reports = [
-            PartReport(
-                part.name, part.volume, bool(shape.is_watertight and shape.is_winding_consistent), allowed
-            )
-            for part, shape in shapes
-        ]
+        closed_meshes = (bool(s.is_watertight and s.is_winding_consistent) for _, s in shapes)
+        rows = zip(shapes, closed_meshes, strict=True)
+        reports = [PartReport(part.name, part.volume, whole, allowed) for (part, _), whole in rows]
     _check_meshes(reports)
     with watch.stage("interference"):
         gap = min(choice.clearance, choice.slit_clearance) or chord

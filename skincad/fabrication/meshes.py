@@ -235,20 +235,6 @@ class BedPart(NamedTuple):
     z: float
 
 
-def plates(parts: Sequence[BedPart], process: Process) -> list[list[BedPart]]:
-    """Return parts by plate. Each part, from the tallest down, goes onto the first plate that takes it; one
-    that is larger than any plate has one to itself (the finding `build volume` reports it)."""
-    full: list[list[BedPart]] = []
-    for part in sorted(parts, key=lambda part: (-part.z, part.name)):
-        for plate in full:
-            if arranged([*plate, part], process) is not None:
-                plate.append(part)
-                break
-        else:
-            full.append([part])
-    return full
-
-
 class Spot(NamedTuple):
     """Where a part lies on a plate: its middle from the plate's, mm, and whether it is turned by a right
     angle."""
@@ -257,6 +243,22 @@ class Spot(NamedTuple):
     x: float
     y: float
     turned: bool
+
+
+def plates(parts: Sequence[BedPart], process: Process) -> list[list[Spot]]:
+    """Return where parts lie, by plate. Each part, from the tallest down, goes onto the first plate that
+    takes it; one that is larger than any plate has one to itself, in its middle (the finding `build volume`
+    reports it)."""
+    full: list[tuple[list[BedPart], list[Spot]]] = []
+    for part in sorted(parts, key=lambda part: (-part.z, part.name)):
+        for i, (lying, _) in enumerate(full):
+            if (spots := arranged([*lying, part], process)) is not None:
+                full[i] = [*lying, part], spots
+                break
+        else:
+            alone = arranged([part], process) or [Spot(part.name, 0.0, 0.0, False)]
+            full.append(([part], alone))
+    return [spots for _, spots in full]
 
 
 def arranged(parts: list[BedPart], process: Process) -> list[Spot] | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 from skincad.base.reading import markdown_text
 from skincad.base.version import __version__
@@ -11,7 +11,7 @@ from skincad.fabrication.fasteners import PINNED, THREADED, is_pressed
 from skincad.fabrication.job import Job
 from skincad.fabrication.papers import paper
 from skincad.fabrication.part_drawing import (
-    CrestAllowance,
+    Drops,
     general_tolerance,
     process_words,
     surface_words,
@@ -32,18 +32,8 @@ SHEET_GOODS = {  # what is cut by a pattern: the file of each
 }
 
 
-class OrderRow(NamedTuple):
-    """A part of an order: how many, what, of what, how large, its files, and what matters on it."""
-
-    quantity: str
-    what: str
-    material: str
-    size: str
-    files: list[str]
-    matters: list[str]
-
-
-Order = Callable[[list[Finding], CrestAllowance | None], str]
+OrderRow = tuple[Item, list[str], list[str]]  # a part, its files, and what matters on it
+Order = Callable[[list[Finding], Drops], str]
 
 
 def orders(job: Job, solids: bool = True) -> dict[str, Order]:
@@ -52,7 +42,7 @@ def orders(job: Job, solids: bool = True) -> dict[str, Order]:
     makers = dict.fromkeys(job.maker(part) for part in job.closed.made)
 
     def of_process(name: str) -> Order:
-        return lambda findings, crests: _process_order(job, name, findings, crests, solids)
+        return lambda findings, drops: _process_order(job, name, findings, drops, solids)
 
     found: dict[str, Order] = {f"orders/order-{name}.md": of_process(name) for name in makers}
     if any(item.what in SHEET_GOODS for item in parts_list(job)):
@@ -60,9 +50,7 @@ def orders(job: Job, solids: bool = True) -> dict[str, Order]:
     return found
 
 
-def _process_order(
-    job: Job, name: str, findings: list[Finding], crests: CrestAllowance | None, solids: bool
-) -> str:
+def _process_order(job: Job, name: str, findings: list[Finding], drops: Drops, solids: bool) -> str:
     process, closed = job.processes[name], job.closed
     parts = [part for part in closed.made if job.maker(part) == name]
     items = {item.what: item for item in parts_list(job)}
@@ -71,26 +59,20 @@ def _process_order(
         title=process_words(job, parts[0]),
         settings=print_settings(process, supported(name, findings)) if process.layer else "",
         bed=bed_words(process),
-        rows=[_row(job, part, items[part.name], crests, solids) for part in parts],
+        rows=[_row(job, part, items[part.name], drops, solids) for part in parts],
         general=_general(job, parts, process),
     )
 
 
-def _row(job: Job, part: Part, item: Item, crests: CrestAllowance | None, solids: bool) -> OrderRow:
+def _row(job: Job, part: Part, item: Item, drops: Drops, solids: bool) -> OrderRow:
     if job.process(part).layer:
         plates = [p.file for p in print_plates(job) if part.name in {spot.name for spot in p.spots}]
         files = [*plates, f"solids/{part.name}.stl"]
     else:
         files = [f"solids/{part.name}.step"] if solids else [f"solids/{part.name}.stl"]
     drawings = [f"drawings/{part.name}.{kind}" for kind in ("pdf", "dxf")] if solids else []
-    return OrderRow(
-        quantity=item.quantity,
-        what=part.name,
-        material=markdown_text(item.material),
-        size=item.designation,
-        files=[*files, *drawings],
-        matters=what_matters(job, part, crests),
-    )
+    item = item._replace(material=markdown_text(item.material))
+    return item, [*files, *drawings], what_matters(job, part, drops)
 
 
 def _general(job: Job, parts: list[Part], process: Process) -> dict[str, Any]:
@@ -114,14 +96,7 @@ def _general(job: Job, parts: list[Part], process: Process) -> dict[str, Any]:
 def _sheet_order(job: Job) -> str:
     """What is cut from film, steel and foam, and the board."""
     rows = [
-        OrderRow(
-            quantity=item.quantity,
-            what=item.what,
-            material=item.material,
-            size=item.designation,
-            files=[SHEET_GOODS[item.what]],
-            matters=[text for text in (item.tolerance, item.condition) if text],
-        )
+        (item, [SHEET_GOODS[item.what]], [text for text in (item.tolerance, item.condition) if text])
         for item in parts_list(job)
         if item.what in SHEET_GOODS
     ]
@@ -132,8 +107,8 @@ def _order(
     job: Job, title: str, settings: str, bed: str, rows: list[OrderRow], general: dict[str, Any] | None = None
 ) -> str:
     alike: dict[tuple[str, ...], list[str]] = {}
-    for row in rows:
-        alike.setdefault(tuple(row.matters), []).append(row.what)
+    for item, _, matters in rows:
+        alike.setdefault(tuple(matters), []).append(item.what)
     return paper(
         "order.md",
         title=title,

@@ -37,7 +37,7 @@ from skincad.fabrication.drawn_features import (
 from skincad.fabrication.fasteners import PINNED
 from skincad.fabrication.job import Job
 from skincad.fabrication.papers import macro
-from skincad.fabrication.patterns import CutProfile, cut_profile, cut_words
+from skincad.fabrication.patterns import CutProfile, cut_profile, pattern_words
 from skincad.fabrication.printing import face_down
 from skincad.fabrication.rules import Case, coating, grooves, slit_play, walls_close
 from skincad.inputs.catalog import display_name
@@ -62,6 +62,7 @@ ACCURATE = {  # faces on which others close or from which strips hang
     PartRole.COVER: "lower face",
     PartRole.BASE: "upper face",
 }
+_BOTH = {"end a": "both ends", "below": "both faces"}
 _TOOLS = {"mill": ", milled", "lathe": ", turned", "wire": ", wire erosion"}
 Coordinate = Callable[[float], float]
 NUT = "N"
@@ -72,11 +73,9 @@ MOST_HIDDEN = 64  # pins' holes drawn as hidden lines; more are a blur, which th
 MOST_ROWS = 40  # of a table of slits or grooves, assumption: more are read from the STEP file
 
 
-class CrestAllowance(NamedTuple):
-    """What the check says of the mold's crests: by how much each may be lower alone until the
-    verdict's margin is used up, mm (empty where it has none)."""
-
-    drops: tuple[float, ...]
+# By how much each crest may be lower alone until the verdict's margin is used up, mm: empty where the check
+# leaves none, None where nobody asked for it
+Drops = tuple[float, ...] | None
 
 
 def general_tolerance(job: Job, part: Part) -> str:
@@ -149,8 +148,8 @@ def _cutter(case: Case) -> list[str]:
     return [f"{cutter}: {left}."]
 
 
-def what_matters(job: Job, part: Part, judged: CrestAllowance | None) -> list[str]:
-    """Return which sizes of a part matter and why; `judged` is None where nobody asked for the check."""
+def what_matters(job: Job, part: Part, drops: Drops) -> list[str]:
+    """Return which sizes of a part matter and why."""
     process, mold = job.process(part), job.design.mold
     if part.role is PartRole.COMB:
         drawn, play = mold.slit_clearance, slit_play(job, process)
@@ -163,7 +162,7 @@ def what_matters(job: Job, part: Part, judged: CrestAllowance | None) -> list[st
         faces = faces.replace("length and width", "diameter").replace(", both ends", "")
     pinned = {cut.role for cut in part.cuts} & PINNED
     sliding = job.fits(part).slide - PIN_RADIUS if pinned else None
-    facts = {"faces": faces, "judged": judged, "sliding": sliding, "METRIC": METRIC}
+    facts = {"faces": faces, "drops": drops, "sliding": sliding, "METRIC": METRIC}
     return _words("matters", job, part, drawn=drawn, play=play, **facts)
 
 
@@ -186,11 +185,11 @@ class Titled:
     what: str
     tables: tuple[DrawingTable, ...]
     notes: tuple[str, ...]
-    process: str
-    material: str
-    tolerance: str
-    surface: str  # "" where the process says nothing of it
-    cut_from_solid: bool  # not printed
+    process: str = ""
+    material: str = ""
+    tolerance: str = ""
+    surface: str = ""  # where the process says nothing of it
+    cut_from_solid: bool = False  # not printed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,8 +209,8 @@ class PartDrawing(Titled):
     cut_notes: tuple[str, ...]  # what is said of it there
 
 
-def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance | None) -> PartDrawing:
-    """Return the drawing of a made part; `made` is its solid in the mold, `judged` the check's, if any."""
+def part_drawing(job: Job, part: Part, shape: cq.Solid, drops: Drops) -> PartDrawing:
+    """Return the drawing of a made part; `shape` is its solid in the mold."""
     from skincad.solids.occ import projection, solid
 
     rest = [cut for cut in part.cuts if cut.role is not CutRole.FEATURE]
@@ -228,7 +227,7 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
         _places(holes, nuts, seen, part),
         _notch_table(notches(part), seen, part),
         _slit_table(cut, seen),
-        _groove_table(job.skin, carved, seen, part, judged.drops if judged else ()),
+        _groove_table(job.skin, carved, seen, part, drops or ()),
         _pin_table(job, part, seen),
     ]
     ((left, low), (right, top)), cut_through = seen[FRONT].box(), cut_profile(part)
@@ -236,7 +235,7 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
     overall = Length(FRONT, "u", left, right), Length(FRONT, "v", low, top), Length(ABOVE, "v", near, far)
     straight = part.straight.body if part.straight else None
     profile = outlined(straight.outline) if isinstance(straight, Prism) else seen[FRONT].visible
-    words = [*notes(job, part), *what_matters(job, part, judged)]
+    words = [*notes(job, part), *what_matters(job, part, drops)]
     if job.design.mold.cavities > 1 and (cut or carved):
         words.append(_gang_words(job, part))
     return PartDrawing(
@@ -255,7 +254,7 @@ def part_drawing(job: Job, part: Part, shape: cq.Solid, judged: CrestAllowance |
         grooves=carved,
         profile=profile,
         cut=cut_through,
-        cut_notes=(cut_words(job, part),) if cut_through else (),
+        cut_notes=(*pattern_words("cut", process=job.process(part)),) if cut_through else (),
         tables=tuple(table for table in tables if table.rows),
         notes=(f"Datums: {'; '.join(f'{d.letter} {d.what}' for d in datum)}; {words[0]}", *words[1:]),
         process=process_words(job, part),
@@ -277,9 +276,8 @@ def _pin_table(job: Job, part: Part, seen: dict[str, Projection]) -> DrawingTabl
     first = holes[:: job.design.mold.cavities]  # a gang has each hole once for each skin
     for placed, hole in zip(skin.placed, first, strict=True):
         deep = placed.feature.height if hole.piece_of is None else max(s.end.z for s in hole.outline)
-        edge = (
-            2 * max(s.start.x for s in hole.outline if s.start.z == deep) if through else table.tip_diameter
-        )
+        edges = [2 * s.start.x for s in hole.outline if s.start.z == deep]
+        edge = max(edges) if through else table.tip_diameter
         wide = 2 * hole.outline[0].start.x if cups else table.root_diameter
         crown = "-" if through else number(table.crown)
         size = number(wide), number(edge), crown, f"{deep:.3f}"
@@ -327,32 +325,19 @@ def _gang_words(job: Job, part: Part) -> str:
 
 
 def _hole_table(holes: tuple[HoleGroup, ...], nuts: tuple[NutPocket, ...], limits: str) -> DrawingTable:
-    rows = [
-        (
-            f"{g.letter} ({len(g.holes)}x)",
-            g.purpose,
-            g.size,
-            "-" if g.limits in ("", "6H") else g.limits,
-            g.reach,
-            g.callout or "-",
-            _from(g),
-        )
-        for g in holes
-    ]
+    rows = []
+    for g in holes:
+        fit = "-" if g.limits in ("", "6H") else g.limits
+        sides = _BOTH[g.sides[0]] if len(g.sides) == 2 else "".join(g.sides)
+        opens = f"{sides}, {_degrees(math.degrees(g.lean))} aslant" if g.lean else sides
+        name = f"{g.letter} ({len(g.holes)}x)"
+        rows.append((name, g.purpose, g.size, fit, g.reach, g.callout or "-", opens))
     if nuts:
         size = f"{number(nuts[0].flats)} A/F"
         tolerance = limits.split(" ", maxsplit=1)[0] if limits.startswith("±") else ""
-        rows.append(
-            (f"{NUT} ({len(nuts)}x)", "M3 nut, hexagon", size, tolerance, number(nuts[0].depth), "-", "end b")
-        )
+        name, deep = f"{NUT} ({len(nuts)}x)", number(nuts[0].depth)
+        rows.append((name, "M3 nut, hexagon", size, tolerance, deep, "-", "end b"))
     return DrawingTable("Holes", ("hole", "for", "size", "limits", "depth", "thread", "open at"), tuple(rows))
-
-
-def _from(group: HoleGroup) -> str:
-    sides = group.sides[0] if group.sides else ""
-    if len(group.sides) == 2:
-        sides = "both ends" if group.sides[0] == "end a" else "both faces"
-    return f"{sides}, {_degrees(math.degrees(group.lean))} aslant" if group.lean else sides
 
 
 def _degrees(angle: float) -> str:
@@ -365,7 +350,7 @@ def _places(
     rows = []
     for group in holes:
         x, y = _coordinates(seen, group.view, part)
-        rows += [(h.tag, number(x(h.at[0])), number(y(h.at[1]))) for h in group.holes]
+        rows += [(tag, number(x(u)), number(y(v))) for tag, (u, v) in group.holes.items()]
     x, y = _coordinates(seen, FRONT, part)
     rows += [(f"{NUT}{i}", number(x(p.at[0])), number(y(p.at[1]))) for i, p in enumerate(nuts, 1)]
     return DrawingTable("Positions of holes", ("hole", "x", "y"), tuple(rows))
@@ -389,9 +374,8 @@ def _notch_table(cut: tuple[Notch, ...], seen: dict[str, Projection], part: Part
         face = "outer face" if way.outer else "inner face"
         where = f"{' & '.join(sorted(sides))}, {face}"
         rows.append((use, f"{number(way.leg)} x 45°", where, *map(number, sorted((y(way.low), y(way.high))))))
-    return DrawingTable(
-        "Notches across upright edges", ("notch", "size", "edge", "from y", "to y"), tuple(rows)
-    )
+    heads = ("notch", "size", "edge", "from y", "to y")
+    return DrawingTable("Notches across upright edges", heads, tuple(rows))
 
 
 def _slit_table(cut: tuple[Slit, ...], seen: dict[str, Projection]) -> DrawingTable:
@@ -411,16 +395,12 @@ def _groove_table(
     rings, middle, rows = skin.symmetry == "concentric", x_of(0.0), list[tuple[str, ...]]()
     for groove in carved[:MOST_ROWS]:
         x, z = groove.bottom
-        row = (
-            str(groove.ridge),
-            number(x_of(x) - (middle if rings else 0.0)),
-            number(-z),
-            _degrees(groove.lean),
-        )
-        allowed = drops[groove.ridge - 1] if drops else None
-        rows.append(
-            row if allowed is None else (*row, "free" if math.isinf(allowed) else f"0/-{allowed:.4f}")
-        )
-    across = "radius" if rings else "x"
-    heads = (skin.family, across, "below seat", "leaning", "depth tolerance")[: 5 if drops else 4]
+        across = number(x_of(x) - (middle if rings else 0.0))
+        row = [str(groove.ridge), across, number(-z), _degrees(groove.lean)]
+        if drops:
+            allowed = drops[groove.ridge - 1]
+            row.append("free" if math.isinf(allowed) else f"0/-{allowed:.4f}")
+        rows.append(tuple(row))
+    place = "radius" if rings else "x"
+    heads = (skin.family, place, "below seat", "leaning", "depth tolerance")[: 5 if drops else 4]
     return DrawingTable(f"Grooves of the {skin.family}s: deepest point; {LEANING}", heads, tuple(rows))

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from skincad.fabrication.drawn_features import views
 from skincad.fabrication.electrodes import (
@@ -31,9 +31,8 @@ from skincad.fabrication.electrodes import (
     tab,
 )
 from skincad.fabrication.job import Job
-from skincad.fabrication.strips import (
-    lap,
-)
+from skincad.fabrication.papers import macro
+from skincad.fabrication.strips import lap
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film
 from skincad.shape.curves import Loop, Point, Segment, area, rectangle
@@ -54,7 +53,7 @@ from skincad.solids.plan import (
     mirrored,
     unturned,
 )
-from skincad.solids.projection import Place, View
+from skincad.solids.projection import View
 
 FLUSH_TOLERANCE = 1e-9  # mm, within which a cut reaches a face: rounding
 PLACES = 6  # decimals of a millimetre within which cuts are in line
@@ -69,18 +68,9 @@ Corner = tuple[float, float, float]  # x, z, and bulge of the segment that begin
 INWARD = -math.tan(math.pi / 8)  # the bulge of a quarter circle, inward
 
 
-class CutProfile(NamedTuple):
-    """The view that looks along the body's axis, and the profile in it, mm: outline first, then holes, all
-    counterclockwise."""
-
-    view: str
-    loops: tuple[Loop, ...]
-
-    @property
-    def area(self) -> float:
-        """Area of the outline less its holes, mm2."""
-        outline, *holes = (area(loop) for loop in self.loops)
-        return outline - sum(holes)
+# The view that looks along a body's axis, and the profile in it, mm: outline first, then holes, all
+# counterclockwise
+CutProfile = tuple[str, tuple[Loop, ...]]
 
 
 def cut_profile(part: Part) -> CutProfile | None:
@@ -92,17 +82,12 @@ def cut_profile(part: Part) -> CutProfile | None:
     index = AXES.index(body.axis)
     seen = next(view for view in views(part) if abs(view.of_part.towards[index]) == 1.0)
     loops = [body.outline, *body.holes, *_through(plain.cuts, body)]
-    return CutProfile(seen.name, tuple(_seen(loop, body.axis, seen.of_part) for loop in loops))
+    return seen.name, tuple(_seen(loop, body.axis, seen.of_part) for loop in loops)
 
 
-def cut_words(job: Job, part: Part) -> str:
-    """Return what layer CUT of a part's DXF holds, and what the machine has to take off."""
-    process = job.process(part)
-    kerf = "kerf not compensated"
-    if process.tool == "wire":
-        wire, off = f"wire Ø{2 * process.tool_radius:g}", f"spark gap {process.spark_gap:g} a side"
-        kerf += f": {wire}, {off}, path {process.reach:g} beside it"
-    return f"Layer CUT: profile and through holes (of a cone the narrow end) at nominal size, {kerf}."
+def pattern_words(name: str, **facts: Any) -> list[str]:
+    """Return what is written on a pattern: the lines of a macro of templates/papers/pattern-notes.md."""
+    return macro("papers/pattern-notes.md", name, PAD=PAD, PITCH=PITCH, **facts).splitlines()
 
 
 def _through(cuts: tuple[Body, ...], body: Prism) -> tuple[Loop, ...]:
@@ -113,12 +98,8 @@ def _through(cuts: tuple[Body, ...], body: Prism) -> tuple[Loop, ...]:
         if isinstance(cut, Prism | Bore) and cut.axis == body.axis:
             u, v = _middle(cut)
             rows.setdefault((round(u, PLACES), round(v, PLACES)), []).append(cut)
-    return tuple(_narrowest(row) for row in rows.values() if _spans(row, body))
-
-
-def _narrowest(row: list[Prism | Bore]) -> Loop:
-    loops = [cut.outline if isinstance(cut, Prism) else _circle(cut) for cut in row]
-    return min(loops, key=area)
+    loops = ([_outline(cut) for cut in row] for row in rows.values() if _spans(row, body))
+    return tuple(min(row, key=area) for row in loops)
 
 
 def _spans(row: list[Prism | Bore], body: Prism) -> bool:
@@ -127,6 +108,14 @@ def _spans(row: list[Prism | Bore], body: Prism) -> bool:
     for low, high in sorted(map(_range, row)):
         reached = max(reached, high) if low <= reached + FLUSH_TOLERANCE else reached
     return reached >= body.high - FLUSH_TOLERANCE
+
+
+def _outline(cut: Prism | Bore) -> Loop:
+    """A cut's loop; a bore's narrow end as two half circles, mm."""
+    if isinstance(cut, Prism):
+        return cut.outline
+    (u, v), radius = _middle(cut), min(cut.radius, cut.far_radius)
+    return _path([(u - radius, v, 1.0), (u + radius, v, 1.0)])
 
 
 def _range(cut: Prism | Bore) -> tuple[float, float]:
@@ -144,13 +133,6 @@ def _middle(cut: Prism | Bore) -> tuple[float, float]:
     return (min(x) + max(x)) / 2, (min(z) + max(z)) / 2
 
 
-def _circle(bore: Bore) -> Loop:
-    """A bore's narrow end as two half circles, mm."""
-    (u, v), radius = _middle(bore), min(bore.radius, bore.far_radius)
-    left, right = Point(u - radius, v), Point(u + radius, v)
-    return Segment(left, right, 1.0), Segment(right, left, 1.0)
-
-
 def _seen(loop: Loop, axis: Axis, view: View) -> Loop:
     """A loop of a prism's section as a view shows it, counterclockwise again where that mirrors it."""
 
@@ -166,13 +148,6 @@ def _seen(loop: Loop, axis: Axis, view: View) -> Loop:
     return tuple(replace(s, start=s.end, end=s.start) for s in reversed(ahead))
 
 
-class Line(NamedTuple):
-    """A line to be marked, mm."""
-
-    start: Point
-    end: Point
-
-
 @dataclass(frozen=True)
 class StripPattern:
     """One strip: closed outlines in mm of film, of what is left once it is trimmed, of holes, metal of both
@@ -186,7 +161,7 @@ class StripPattern:
     back: Loop
     overlap: Loop
     pads: tuple[Loop, ...]
-    cut_off: tuple[Line, ...]
+    cut_off: tuple[tuple[Point, Point], ...]
     label_at: Point
     plus_at: Point
 
@@ -208,18 +183,9 @@ def strip_patterns(job: Job) -> list[StripPattern]:
 
 def pattern_notes(job: Job) -> list[str]:
     """Return what is written under the pattern."""
-    film, slot, radius = job.design.film, job.skin.slot, job.design.skin.curvature_radius_y
+    slot, radius = job.skin.slot, job.design.skin.curvature_radius_y
     strain = 0.0 if radius is None or slot is None else slot.depth / 2 / radius  # of a strip's edges
-    wiring, skins = film.wiring_side if film else "b", job.design.mold.cavities
-    return [
-        *([f"for one skin: cut it {skins} times"] if skins > 1 else []),
-        *([f"straight strips, bent on edge by their slots: strain {100 * strain:.2g} %"] if strain else []),
-        "seen from the + side, which faces +x in every slot, the front; end a left, b right, ridges below",
-        f"leads at end {wiring}, where the corner at the ridge is cut off; draw axis (d31) along the strips",
-        "back: as seen through the film, so mirror it when that face lies up; let metal go on beyond the cut",
-        "CUT at nominal size, kerf not compensated; ENGRAVE stays to be read, cut off at MARK later",
-        f"pads: {PAD[0]:g} x {PAD[1]:g} mm, one a face, pitch {PITCH:g} mm: flat cable crimps, clinchers",
-    ]
+    return pattern_words("strips", job=job, strain=strain)
 
 
 def row_height(job: Job) -> float:
@@ -236,11 +202,10 @@ def _pattern(design: Design, film: Film, slot: SensorPlace, middle: float) -> St
     wired_a, cast_in = film.wiring_side == "a", design.mold.method == "cast-in"
     a, b = strip_overhangs(design)
     wired, other = (half + a, half + b) if wired_a else (half + b, half + a)
-    end, w, metal = wired + tab(film)[1], half_tab(film, slot.depth), faces(film, slot.depth, half, wired)
-    left, right = (
-        -other - (SHOULDER + TAB[0] if cast_in else GLUED_LENGTH),
-        end + (4 * HOLE if cast_in else 0.0),
-    )
+    end, w = wired + tab(film)[1], half_tab(film, slot.depth)
+    front, back, overlap, pads = faces(film, slot.depth, half, wired)
+    left = -other - (SHOULDER + TAB[0] if cast_in else GLUED_LENGTH)
+    right = end + (4 * HOLE if cast_in else 0.0)
     tail = _tail(left, -other, h) if cast_in else [(left, -h, 0.0), (left, h, 0.0)]
     cuts = [(-other, h), *([(end, w - CORNER)] if cast_in else [])]
 
@@ -257,11 +222,11 @@ def _pattern(design: Design, film: Film, slot: SensorPlace, middle: float) -> St
         cut=placed(_path([*_tab(wired, end, right, h, w), *tail[len(tail) // 2 :], *tail[: len(tail) // 2]])),
         trimmed=placed(_path([*_tab(wired, end, end, h, w), (-other, h, 0.0), (-other, -h, 0.0)])),
         holes=tuple(placed(_hole(x)) for x in (left + 2 * HOLE, right - 2 * HOLE) if cast_in),
-        front=placed(metal.front),
-        back=placed(metal.back),
-        overlap=placed(metal.overlap),
-        pads=tuple(placed(pad) for pad in metal.pads),
-        cut_off=tuple(Line(Point(side * x, middle - u), Point(side * x, middle + u)) for x, u in cuts),
+        front=placed(front),
+        back=placed(back),
+        overlap=placed(overlap),
+        pads=tuple(placed(pad) for pad in pads),
+        cut_off=tuple((Point(side * x, middle - u), Point(side * x, middle + u)) for x, u in cuts),
         label_at=Point(text, middle + up),
         plus_at=Point(text, middle - up - LABEL[1]),
     )
@@ -340,14 +305,6 @@ def shim_patterns(job: Job) -> list[ShimPattern]:
     return rows
 
 
-def shim_notes(job: Job) -> list[str]:
-    """Return what is said on the pattern: which sheet, and what the cutter has to know."""
-    slot, skins = job.skin.slot, job.design.mold.cavities
-    thick = f"spring steel {slot.thickness:g} thick; " if slot else ""
-    times = f"; for one skin: cut it {skins} times" if skins > 1 else ""
-    return [f"{thick}CUT at nominal size, kerf not compensated{times}", "a shim does not shrink: 1:1"]
-
-
 def _at(radius: float, angle: float, centre: float) -> Point:
     """A point at this angle from the upright, rad, about (0, centre)."""
     return Point(radius * math.sin(angle), centre + radius * math.cos(angle))
@@ -361,32 +318,17 @@ def _sector(inner: float, outer: float, half: float, centre: float) -> Loop:
     return Segment(a, b, bulge), Segment(b, c), Segment(c, d, -bulge), Segment(d, a)
 
 
-class SealPattern(NamedTuple):
-    """A seal's outline and then its holes, seen from above with end b up, mm, and what is said of it."""
+def seal_pattern(closed: ClosedMold) -> tuple[tuple[Loop, ...], list[str]]:
+    """Return a seal's outline and then its holes, seen from above with end b up, mm, and what is said of it.
 
-    loops: tuple[Loop, ...]
-    notes: list[str]
-
-    @property
-    def box(self) -> tuple[Place, Place]:
-        """Lower left and upper right corner, mm: its outline has straight sides."""
-        x, y = zip(*(s.start for s in self.loops[0]), strict=True)
-        return (min(x), min(y)), (max(x), max(y))
-
-
-def seal_pattern(closed: ClosedMold) -> SealPattern:
-    """Return the pattern of a mold's seal. Raises ValueError where it has none."""
+    Raises ValueError where the mold has none.
+    """
     seal = closed.first(PartRole.SEAL)
     profile = cut_profile(seal)
     if profile is None or not isinstance(seal.body, Prism):
         raise ValueError("a seal is cut from a sheet")
     high = seal.body.high - seal.body.low
-    notes = [
-        f"closed-cell EVA foam, sheet of {high / SQUEEZED_SHARE:.3g} mm, squeezed to {high:.3g} mm by the "
-        "closed cover",
-        "seen from above, end b up; CUT at nominal size, kerf not compensated; foam does not shrink: 1:1",
-    ]
-    return SealPattern(profile.loops, notes)
+    return profile[1], pattern_words("seal", high=high, SQUEEZED_SHARE=SQUEEZED_SHARE)
 
 
 def arc_length(closed: ClosedMold) -> float:

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from skincad.fabrication.job import Job
 from skincad.fabrication.machine_rules import extent, laid_on_end, on_end
-from skincad.fabrication.meshes import BedPart, Spot, arranged, plates
+from skincad.fabrication.meshes import BedPart, Spot, plates
+from skincad.fabrication.papers import macro
 from skincad.fabrication.rules import Finding
 from skincad.inputs.process import Process
 from skincad.solids.plan import CAVITIES, END_PLATES, Part, PartRole
@@ -38,30 +39,22 @@ def print_plates(job: Job) -> list[PrintPlate]:
     lying: dict[str, list[BedPart]] = {}
     for part in job.closed.made:
         if job.process(part).layer:
-            lying.setdefault(job.maker(part), []).append(_on_bed(job, part))
-    rows = [(name, plate) for name, parts in lying.items() for plate in plates(parts, job.processes[name])]
-    return [
-        PrintPlate(number, name, tuple(_spots(plate, job.processes[name])))
-        for number, (name, plate) in enumerate(rows, 1)
-    ]
+            x, y, z = extent(part)
+            sides = (x, z, y) if laid_on_end(job, part) else (x, y, z)
+            lying.setdefault(job.maker(part), []).append(BedPart(part.name, *sides))
+    rows = [(name, spots) for name, parts in lying.items() for spots in plates(parts, job.processes[name])]
+    return [PrintPlate(number, name, tuple(spots)) for number, (name, spots) in enumerate(rows, 1)]
 
 
-class Prints(NamedTuple):
-    """Prints by one process: the slicer's settings, and the plates in words."""
-
-    process: str
-    settings: str
-    plates: str
-
-
-def prints(job: Job, findings: Iterable[Finding]) -> list[Prints]:
-    """Return how parts are printed, by process; `findings` are the mold's."""
+def prints(job: Job, findings: Iterable[Finding]) -> list[tuple[str, str, str]]:
+    """Return how parts are printed, by process: its name, the slicer's settings, and the plates in words;
+    `findings` are the mold's."""
     rows: dict[str, list[str]] = {}
     for plate in print_plates(job):
         names = ", ".join(spot.name for spot in plate.spots)
         rows.setdefault(plate.process, []).append(f"{plate.file}: {names}")
     return [
-        Prints(name, print_settings(job.processes[name], supported(name, findings)), "; ".join(on))
+        (name, print_settings(job.processes[name], supported(name, findings)), "; ".join(on))
         for name, on in rows.items()
     ]
 
@@ -78,30 +71,10 @@ def printed(job: Job) -> list[str]:
     return [name for name, process in makers.items() if process.layer]
 
 
-def _on_bed(job: Job, part: Part) -> BedPart:
-    x, y, z = extent(part)
-    return BedPart(part.name, x, z, y) if laid_on_end(job, part) else BedPart(part.name, x, y, z)
-
-
-def _spots(plate: list[BedPart], process: Process) -> list[Spot]:
-    spots = arranged(plate, process)
-    return [Spot(plate[0].name, 0.0, 0.0, False)] if spots is None else spots
-
-
 def print_settings(process: Process, supports: bool) -> str:
     """Return the slicer's settings that price, mass and stiffness assume."""
-    held = "supports where the sheet's Watch says" if supports else "no supports"
-    if process.exposure:
-        return (
-            f"layers of {process.layer:g} mm, {process.exposure:g} s each, the first {process.first_layers} "
-            f"{process.first_exposure:g} s, fading over {process.fading}; solid, no pad, {held}; "
-            f"elephant foot compensated by {ELEPHANT_FOOT['resin']:g} mm"
-        )
-    return (
-        f"layers of {process.layer:g} mm, lines {process.line:g} mm wide, {process.loops} walls, "
-        f"{process.shells} solid layers under tops and over bottoms, {100 * process.infill:g} % infill, "
-        f"{held}; elephant foot compensated by {ELEPHANT_FOOT['filament']:g} mm"
-    )
+    facts = {"process": process, "supported": supports, "ELEPHANT_FOOT": ELEPHANT_FOOT}
+    return macro("papers/print-settings.md", "settings", **facts)
 
 
 def lapped(job: Job) -> list[str]:

@@ -8,46 +8,33 @@ from typing import NamedTuple
 from skincad.base.version import __version__
 from skincad.fabrication import (
     day_plan,
-    electrodes,
-    fasteners,
     part_drawing,
     parts_list,
-    patterns,
-    pouring,
     printing,
-    rules,
-    strips,
 )
-from skincad.fabrication.estimates import ProcessEstimate, lines
+from skincad.fabrication.estimates import ProcessEstimate
 from skincad.fabrication.inspection import Inspection, inspection_lines
 from skincad.fabrication.job import Job
 from skincad.fabrication.papers import paper
 from skincad.fabrication.rules import Finding, counted
 from skincad.inputs.catalog import display_name
 from skincad.solids import fasteners as threads
-from skincad.solids import inserts, layout
-from skincad.solids.bone import LEAST_GRIP
 from skincad.solids.lids import core_hole, core_proud
 from skincad.solids.mold import Move
-from skincad.solids.plan import END_PLATES, CutRole, PartRole
+from skincad.solids.plan import END_PLATES, PartRole
 
 FIRST = "trial"  # the step that is numbered 0
 OPENS = "cure"  # the step after which the mold is opened
 
 
 class SheetStep(NamedTuple):
-    """A step of the sheet: its name, its words, and which parts leave the mold in it, "" for none."""
+    """A step of the sheet: its name, its words, which parts leave the mold in it, "" for none, and, where the
+    mold is opened, by which moves."""
 
     name: str
     words: str
     leaves: str
-
-
-class OpeningStep(NamedTuple):
-    """A step of opening: the sheet's words, and the moves that it makes; none where nothing leaves yet."""
-
-    words: str
-    moves: tuple[Move, ...]
+    moves: tuple[Move, ...] = ()
 
 
 def casting_sheet(
@@ -68,7 +55,7 @@ def sheet_steps(job: Job) -> dict[str, str]:
     return {step.name: step.words for step in _sheet(job)[1]}
 
 
-def opening_steps(job: Job) -> list[OpeningStep]:
+def opening_steps(job: Job) -> list[SheetStep]:
     """Return the steps by which a cured skin comes out of its mold, in order; together they make each move of
     `closed.opening` once."""
     by: dict[str, list[Move]] = {}
@@ -78,7 +65,7 @@ def opening_steps(job: Job) -> list[OpeningStep]:
         by.setdefault(known.get(role, "skin"), []).append(move)
     steps = _sheet(job)[1]
     begin = [step.name for step in steps].index(OPENS) + 1
-    return [OpeningStep(step.words, tuple(by.get(step.leaves, []))) for step in steps[begin:]]
+    return [step._replace(moves=tuple(by.get(step.leaves, []))) for step in steps[begin:]]
 
 
 def _sheet(
@@ -100,34 +87,21 @@ def _sheet(
 
     text = paper(
         "casting-sheet.md",
-        job=job,
+        **parts_list.facts(job),
         title=display_name(job.design),
         step=step,
-        role=PartRole,
-        cut=CutRole,
         day=day_plan,
         drawing=part_drawing,
-        electrodes=electrodes,
-        fastening=fasteners,
-        inserts=inserts,
-        layout=layout,
-        threads=threads,
         torque=min(threads.torque(job.process(part)) for part in job.closed.made),
-        LEAST_GRIP=LEAST_GRIP,
         proud=core_proud(job.place),
         core_hole=core_hole(job.design) if job.design.features.pocket else 0.0,
-        patterns=patterns,
-        pouring=pouring,
         printing=printing,
-        rules=rules,
-        buying=parts_list,
-        strips=strips,
         passed=passed,
         counted=counted(findings or []),
         verdict=verdict,
         version=__version__,
         findings=findings or [],
-        estimates=lines(job, estimates) if estimates else [],
+        estimates=estimates,
         inspection=inspection_lines(inspected) if inspected else [],
     )
     return text, steps

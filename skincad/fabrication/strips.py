@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import shapely
@@ -55,9 +55,8 @@ HIGHEST_FILM_TEMPERATURE = 80.0
 BOND_STRENGTH = 0.1
 STEEL_WEIGHT = 7.85e-6 * 9.81  # N/mm3, source: handbooks, 7850 kg/m3
 SHIM_ELASTIC = 0.006  # strain, source: handbooks, hardened spring steel yields at about 1200 of 200e3 MPa
-SHIM_SAG_SHARE = (
-    0.5  # assumption: of a slot's thickness; a shim that hangs through by more displaces its film
-)
+# assumption: of a slot's thickness; a shim that hangs through by more displaces its film
+SHIM_SAG_SHARE = 0.5
 MOST_RELEASE = 1e-3  # strain, assumption: as much as a silicone shrinks
 SAG_SHARE = 0.01  # assumption: of slot.offset, by which a strip may sag while the silicone cures
 DRIFT_SHARE = 0.25  # of the silicone beside it; further, a capillary force that grows as 1 / gap pulls it on
@@ -105,27 +104,21 @@ def strip(job: Job) -> Strip | None:
     slot, film, length = job.skin.slot, job.design.film, job.cast.skin.length
     if slot is None:
         return None
-    if job.design.mold.method == "shim" or film is None:
-        return Strip(
-            length=length,
-            depth=slot.depth,
-            thickness=slot.thickness,
-            modulus=STEEL_MODULUS,
-            density=STEEL_DENSITY,
-            tension=0.0,
-            ends="built in",
-        )
-    usual = USUAL_PULL * PVDF_YIELD * slot.depth * film.thickness
-    tension = film.tension if film.tension is not None else usual
-    return Strip(
+    shim = Strip(
         length=length,
         depth=slot.depth,
-        thickness=film.thickness,
-        modulus=film.young_modulus,
-        density=PVDF_DENSITY,
-        tension=tension,
-        ends="hinged",
+        thickness=slot.thickness,
+        modulus=STEEL_MODULUS,
+        density=STEEL_DENSITY,
+        tension=0.0,
+        ends="built in",
     )
+    if job.design.mold.method == "shim" or film is None:
+        return shim
+    usual = USUAL_PULL * PVDF_YIELD * slot.depth * film.thickness
+    tension = film.tension if film.tension is not None else usual
+    stiff = {"modulus": film.young_modulus, "density": PVDF_DENSITY, "tension": tension}
+    return replace(shim, thickness=film.thickness, ends="hinged", **stiff)
 
 
 def deflection(rod: Strip, load: float) -> float:
@@ -440,10 +433,7 @@ def _sag(job: Job, rod: Strip) -> Iterator[Finding]:
     """At rest in the silicone, which is how it cures; in air, before, its load is larger, but that passes."""
     slot = job.skin.slot
     load = weight(rod, job.silicone.density)
-    sag, limit = (
-        abs(deflection(rod, load)),
-        SAG_SHARE * (slot.offset if slot else 0.0),
-    )
+    sag, limit = abs(deflection(rod, load)), SAG_SHARE * (slot.offset if slot else 0.0)
     if sag > limit:
         remedy = f"film.tension of {straightening_tension(rod, load, limit):.2g} N or more, or a shorter skin"
         where = "strips, under their weight in silicone"

@@ -24,7 +24,7 @@ __getattr__, __dir__ = face(
     simulators.links: links
     simulators.meshes: tetrahedra
     simulators.package: Package markdown package
-    solid_files: assembly write_assembly write_step write_stl
+    solid_files: write_assembly write_step write_stl
     studies: ACCURACY ACCURACY_FILES front_names sweep_csv sweep_names sweep_page write_solution write_wish
     tomls: HOME LISTS check_new document_name first_of listing schema_of start_names table_entries
         write_copy write_new write_with_modulus

@@ -12,7 +12,7 @@ from skincad.base.progress import about
 from skincad.fabrication.papers import macro
 from skincad.mechanics.left_out import FRICTION
 from skincad.mechanics.verdict import NO_MODEL, ContactCheck
-from skincad.outputs.delivery import Presentation
+from skincad.outputs.delivery import Presentation, drawn
 from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
@@ -104,13 +104,6 @@ def error_parts(check: ContactCheck) -> list[tuple[str, float]]:
     return [("", error - check.model_error), *left_out]
 
 
-def figures(check: ContactCheck) -> dict[str, Callable[[], Picture]]:
-    """Return the force on each ridge."""
-    from skincad.outputs.figures.results import ridge_force_figure
-
-    return {"ridge-forces.png": partial(ridge_force_figure, check)}
-
-
 def html(check: ContactCheck) -> str:
     """Return the verdict, the force on each ridge as a bar with its error, and the other lines."""
     lines = [*CHECK.rows("answer", check)[1:], *CHECK.rows("notes", check), *check.next_line()]
@@ -141,7 +134,7 @@ CHECK = Presentation(
         "FRICTION": FRICTION,
     },
     html=html,
-    figures=figures,
+    figures=drawn("ridge-forces.png", "results:ridge_force_figure"),
 )
 FILM_STRESS = Presentation(
     COMMAND="film-stress",

@@ -12,14 +12,13 @@ from typing import Any, TypeVar, cast
 from skincad.base.errors import InputError
 from skincad.base.outfolder import listed, manifest_name
 from skincad.base.result import Writer
-from skincad.base.version import __version__
 from skincad.fabrication.assembly_drawing import assembly_drawing
 from skincad.fabrication.crests import limits_decide
 from skincad.fabrication.inspection import inspection
 from skincad.fabrication.job import Job
 from skincad.fabrication.making import Build, MakeResult, passes
 from skincad.fabrication.orders import Order, orders
-from skincad.fabrication.part_drawing import CrestAllowance, part_drawing
+from skincad.fabrication.part_drawing import Drops, part_drawing
 from skincad.fabrication.parts_list import parts_csv
 from skincad.fabrication.printing import PrintPlate, print_plates
 from skincad.fabrication.rules import Finding, counted
@@ -37,7 +36,6 @@ from skincad.outputs.figures.canvas import Picture, png
 from skincad.outputs.figures.design import design_figure
 from skincad.outputs.pages import page
 from skincad.outputs.solid_files import (
-    assembly,
     source_date,
     write_3mf,
     write_assembly,
@@ -124,14 +122,16 @@ def writers(
     printed = [part.name for part in closed.made]
     exact: dict[str, BuildWriter] = {
         **{f"solids/{name}.step": partial(_write_solid, name) for name in ("skin", *printed)},
-        "solids/assembly.step": _write_assembly,
+        "solids/assembly.step": lambda build, path: write_assembly(
+            build.closed, build.solid, build.design.name, path
+        ),
     }
     for name in printed:
         exact |= _sheet_writers(name, partial(sheet_of, name=name))
     strips: dict[str, BuildWriter] = {
         "film/strips.dxf": lambda build, path: flat.write_strips_dxf(build.job, path),
         "film/strips.svg": lambda build, path: flat.write_strips_svg(build.job, path),
-        "film/strip-board.kicad_mod": lambda build, path: flat.write_strip_board(build.job, path),
+        "film/strip-board.kicad_mod": _text(lambda build: flat.strip_board(build.job)),
     }
     shims: dict[str, BuildWriter] = {
         "film/shims.dxf": lambda build, path: flat.write_shims_dxf(build.job, path)
@@ -165,14 +165,14 @@ def writers(
         ),
         "parts-list.csv": _text(lambda build: parts_csv(build.job, build.estimates)),
         **{name: _text(partial(_order, order)) for name, order in orders(job, solids).items()},
-        "view.html": _text(_view),
+        "view.html": _text(
+            lambda build: view_page(
+                build.job, build.meshes, build.check, checks.verdict_of(build), _png(build)
+            )
+        ),
         **({} if preview else {"report.html": _text(_report)}),
         "picture.png": _picture,
     }
-
-
-def _view(build: Build) -> str:
-    return view_page(build.job, build.meshes, build.check, checks.verdict_of(build), _png(build))
 
 
 def _text(of: Callable[[Build], str]) -> BuildWriter:
@@ -194,23 +194,18 @@ def _date() -> str:
 
 def _closed_sheet(build: Build) -> Sheet:
     """The sheet of the closed mold, which needs no exact solid."""
-    return assembly_sheet(assembly_drawing(build.job), __version__, _date())
+    return assembly_sheet(assembly_drawing(build.job), _date())
 
 
 def sheet_of(build: Build, name: str) -> Sheet:
     """Return a made part's sheet; its date is SOURCE_DATE_EPOCH's, or left out."""
     part = build.closed.part(name)
-    drawn = part_drawing(build.job, part, build.solid(part).val(), _crests(build))
-    return part_sheet(drawn, __version__, _date())
+    drawn = part_drawing(build.job, part, build.solid(part).val(), _drops(build))
+    return part_sheet(drawn, _date())
 
 
 def _write_solid(name: str, build: Build, path: Path) -> None:
     write_step(build.solid(build.job.skin_part if name == "skin" else build.closed.part(name)), path)
-
-
-def _write_assembly(build: Build, path: Path) -> None:
-    solids = {part.name: build.solid(part) for part in (*build.closed.parts, *build.closed.plugs)}
-    write_assembly(assembly(build.closed, solids, build.design.name), path)
 
 
 def _write_stl(name: str, build: Build, path: Path) -> None:
@@ -231,12 +226,11 @@ def _write_plate(plate: PrintPlate, build: Build, path: Path) -> None:
 
 
 def _order(order: Order, build: Build) -> str:
-    return order(list(build.findings), _crests(build))
+    return order(list(build.findings), _drops(build))
 
 
-def _crests(build: Build) -> CrestAllowance | None:
-    """What the check allows of each crest; None where nobody asked for it."""
-    return CrestAllowance(checks.allowed_drops(build.check)) if build.check else None
+def _drops(build: Build) -> Drops:
+    return checks.allowed_drops(build.check) if build.check else None
 
 
 def _report(build: Build) -> str:

@@ -3,10 +3,10 @@ or by a recording of their films."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import tomlkit
 
@@ -20,23 +20,18 @@ from skincad.fabrication.coupon import (
     coupon_sheet,
     fit_bar_command,
     fit_pad_command,
-    no_growth_words,
     read_command,
 )
 from skincad.fabrication.machine_rules import on_end
 from skincad.inputs.silicone import Silicone
-from skincad.material.acceptance import Acceptance
 from skincad.material.laws import FITTED_SHARE
 from skincad.material.modulus import MaterialFit
-from skincad.outputs.delivery import Presentation, text
+from skincad.outputs.delivery import Presentation, drawn, text
 from skincad.outputs.tomls import aligned, ranged_toml
 from skincad.scenes.acceptance import CANT_TELL, RecordingAcceptance
 from skincad.scenes.strip_assignment import WORKS
+from skincad.solids.coupon import NOTCHES
 from skincad.solids.plan import Part
-
-if TYPE_CHECKING:
-    from skincad.outputs.figures.canvas import Picture
-
 
 SHEET = "coupon-sheet.md"
 PRINTER = "printer.toml"
@@ -46,8 +41,8 @@ def _kit_files(kit: CouponKit) -> dict[str, Writer]:
     """The writer of each file."""
     return {
         **{f"{part.name}.step": partial(_step, part) for part in kit.parts},
-        **{f"{part.name}.stl": partial(_stl, kit, part) for part in kit.parts},
-        "coupon.3mf": partial(_plate, kit),
+        **{f"{part.name}.stl": partial(_prints, kit, [part]) for part in kit.parts},
+        "coupon.3mf": partial(_prints, kit, kit.parts),
         SHEET: text(lambda: coupon_sheet(kit)),
         **{name: text(partial(str, form)) for name, form in coupon_forms(kit).items()},
         PAD_DESIGN: text(kit.pad.to_toml),
@@ -61,22 +56,17 @@ def _step(part: Part, path: Path) -> None:
     write_step(workplane(part), path)
 
 
-def _oriented_mesh(kit: CouponKit, part: Part) -> Any:
+def _prints(kit: CouponKit, parts: Iterable[Part], path: Path) -> None:
+    """Parts as they are printed: one as STL, all as 3MF."""
     from skincad.fabrication.meshes import laid, mesh
+    from skincad.outputs.solid_files import write_3mf, write_stl
 
-    return laid(mesh(part, kit.process.chord), on_end(part, kit.process))
-
-
-def _stl(kit: CouponKit, part: Part, path: Path) -> None:
-    from skincad.outputs.solid_files import write_stl
-
-    write_stl(_oriented_mesh(kit, part), path)
-
-
-def _plate(kit: CouponKit, path: Path) -> None:
-    from skincad.outputs.solid_files import write_3mf
-
-    write_3mf({part.name: (_oriented_mesh(kit, part), part.colour) for part in kit.parts}, path)
+    turned = {part: laid(mesh(part, kit.process.chord), on_end(part, kit.process)) for part in parts}
+    if path.suffix == ".stl":
+        (shape,) = turned.values()
+        write_stl(shape, path)
+    else:
+        write_3mf({part.name: (shape, part.colour) for part, shape in turned.items()}, path)
 
 
 def toml_lines(fit: MaterialFit) -> list[str]:
@@ -108,20 +98,6 @@ def _rounded(value: Any) -> Any:
     return float(f"{value:.6g}") if isinstance(value, float) else value
 
 
-def fit_figures(fit: MaterialFit) -> dict[str, Callable[[], Picture]]:
-    """Return the test's rows and what the model makes of them."""
-    from skincad.outputs.figures.results import fit_figure
-
-    return {"fit.png": partial(fit_figure, fit)}
-
-
-def press_figures(result: Acceptance) -> dict[str, Callable[[], Picture]]:
-    """Return the rows and the curves of a good part."""
-    from skincad.outputs.figures.results import acceptance_figure
-
-    return {"accept.png": partial(acceptance_figure, result)}
-
-
 def _like_pairs(result: RecordingAcceptance) -> list[tuple[str, ...]]:
     """Which strips could have changed places without the recording's showing it."""
     return sorted({tuple(sorted((strip.name, other))) for strip in result.strips for other in strip.alike})
@@ -132,13 +108,13 @@ FIT = Presentation(
     words="fit-material.txt",
     facts={"FITTED_SHARE": FITTED_SHARE, "law_table": _law_table, "toml_lines": toml_lines},
     writers=lambda fit: {"material.toml": text(lambda: "\n".join(toml_lines(fit)) + "\n")},
-    figures=fit_figures,
+    figures=drawn("fit.png", "results:fit_figure"),
 )
 ACCEPTANCE = Presentation(
     COMMAND="accept",
     words="accept.txt",
     writers=lambda result: {"accept.txt": text(lambda: f"{result}\n")},
-    figures=press_figures,
+    figures=drawn("accept.png", "results:acceptance_figure"),
 )
 RECORDING = Presentation(
     COMMAND="accept",
@@ -165,7 +141,7 @@ READING = Presentation(
         "PRINTER": PRINTER,
         "fit_bar_command": fit_bar_command,
         "fit_pad_command": fit_pad_command,
-        "no_growth_words": no_growth_words,
+        "WIDEST_NOTCH": NOTCHES[-1],
     },
     writers=lambda reading: {PRINTER: text(reading.to_toml)},
 )

@@ -159,9 +159,8 @@ def _error_rows(check: ContactCheck) -> list[tuple[str, str, str]]:
     whole = check.all_touch_force.error
     if not check.all_touch_force.value or not whole:
         return []
-    parts = [
-        (f"leaving out {x}" if x else "mesh and method", error) for x, error in checks.error_parts(check)
-    ]
+    names = {"": "mesh and method"}
+    parts = [(names.get(x, f"leaving out {x}"), error) for x, error in checks.error_parts(check)]
     return [(name, f"{error:.2g}", f"{error / whole:.0%}") for name, error in [*parts, ("together", whole)]]
 
 

@@ -16,7 +16,7 @@ from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
 from skincad.circuit.bode import CircuitGain, told_rig
 from skincad.circuit.network import PICO, capacitance, netlist
-from skincad.outputs.delivery import Presentation, text
+from skincad.outputs.delivery import Presentation, drawn, text
 from skincad.scenes.march import GROSS_SLIP, frames
 from skincad.scenes.plan import (
     DEFAULT_TOLERANCE,
@@ -100,14 +100,13 @@ def _section_steps(simulation: Simulation) -> list[int]:
 def _moment(simulation: Simulation, step: int) -> Moment:
     from skincad.effects.modal import ModalPad
     from skincad.effects.small_strain import CondensedPad
-    from skincad.outputs.figures.stress import Moment
 
     march = simulation.march
     assert isinstance(march.pad, CondensedPad | ModalPad)  # the scene was checked for it
     reading = march.readings[step]
     forces = f"{reading.normal:.2f} N normal, {reading.tangential:.2f} N tangential"
     title = f"{simulation.scene.name}: step {step}, {1e3 * march.time[step]:.4g} ms, {forces}"
-    return Moment(title, march.pad.shown(march.states[step]))
+    return title, march.pad.shown(march.states[step])
 
 
 def _section_name(step: int) -> str:
@@ -155,13 +154,6 @@ def readout_columns(simulation: Simulation) -> dict[str, list[float]]:
 def gain_names(measured: bool) -> list[str]:
     """Return the names of what will be written, with measured data or without."""
     return ["gain.csv", "netlist.cir", "gain.png", *["calibrated.toml"] * measured]
-
-
-def gain_figures(circuit_gain: CircuitGain) -> dict[str, Callable[[], Picture]]:
-    """Return the gain against frequency (Fig 7)."""
-    from skincad.outputs.figures.results import gain_figure
-
-    return {"gain.png": partial(gain_figure, circuit_gain)}
 
 
 def gain_files(circuit_gain: CircuitGain) -> dict[str, Writer]:
@@ -233,6 +225,6 @@ GAIN = Presentation(
     words="circuit.txt",
     facts={"told_rig": told_rig},
     writers=gain_files,
-    figures=gain_figures,
+    figures=drawn("gain.png", "results:gain_figure"),
     manifest=lambda circuit_gain: {"name": circuit_gain.name},
 )

@@ -12,6 +12,7 @@ import errno
 import os
 import re
 import uuid
+from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     import cadquery as cq
 
     from skincad.solids.mold import ClosedMold
+    from skincad.solids.plan import Part
 
 _TIME = re.compile(r"(FILE_NAME\('[^']*',')[^']*(')")
 _VERSION = re.compile(r"'(Open CASCADE(?: STEP processor)?) \d+\.\d+'")
@@ -42,20 +44,15 @@ def write_step(solid: cq.Workplane, path: Path) -> None:
     make_deterministic(path, path.stem)
 
 
-def write_assembly(assembly: cq.Assembly, path: Path) -> None:
-    """Write a named, coloured assembly as STEP (AP214), mm."""
-    assembly.export(str(path), "STEP")
-    make_deterministic(path, assembly.name)
-
-
-def assembly(closed: ClosedMold, solids: dict[str, cq.Workplane], name: str) -> cq.Assembly:
-    """Return the closed mold with the skin, shims and pins in it, named and coloured, mm."""
+def write_assembly(closed: ClosedMold, solid: Callable[[Part], cq.Workplane], name: str, path: Path) -> None:
+    """Write the closed mold with the skin, shims and pins in it, named and coloured, as STEP (AP214), mm."""
     import cadquery as cq
 
     whole = cq.Assembly(name=name)
     for part in closed.parts:
-        whole.add(solids[part.name], name=part.name, color=cq.Color(*part.colour))
-    return whole
+        whole.add(solid(part), name=part.name, color=cq.Color(*part.colour))
+    whole.export(str(path), "STEP")
+    make_deterministic(path, name)
 
 
 def write_stl(mesh: trimesh.Trimesh, path: Path) -> None:

@@ -335,7 +335,7 @@ WISH = Presentation(
     words="new.txt",
     facts=checks.CHECK.facts,
     writers=lambda wish: {f"{wish.name}.toml": text(lambda: short_toml(wish, wish.name))},
-    figures=lambda wish: checks.figures(wish.check),
+    figures=lambda wish: checks.CHECK.figures(wish.check),
 )
 ACCURACY = Presentation(
     COMMAND="accuracy",

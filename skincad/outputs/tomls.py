@@ -332,15 +332,6 @@ def _unit_and_range(field: FieldInfo) -> str:
     return ", ".join(part for part in (unit if unit != "1" else "", " ".join(limits), values) if part)
 
 
-class KeyDescription(NamedTuple):
-    """A key of a table, for a page of reference."""
-
-    key: str
-    limits: str  # unit and range
-    default: str  # "" for none
-    meaning: str
-
-
 def _written_default(field: FieldInfo) -> str:
     """A key's default as TOML; "" where it is computed or absent."""
     if isinstance(field.default, NumberWithRange):
@@ -348,15 +339,16 @@ def _written_default(field: FieldInfo) -> str:
     return _default(field) if isinstance(field.default, bool | int | float | str | list | tuple) else ""
 
 
-def table_entries(model: type[BaseModel]) -> tuple[list[KeyDescription], dict[str, type[Table]]]:
-    """Return the plain keys of a table, and the tables within by their keys."""
+def table_entries(model: type[BaseModel]) -> tuple[list[tuple[str, ...]], dict[str, type[Table]]]:
+    """Return the plain keys of a table for a page of reference, as key, unit and range, default ("" for none)
+    and meaning; and the tables within by their keys."""
     fields = {key: field for key, field in model.model_fields.items() if key != "effects"}
     inner = {key: table for key in fields if (table := _table(model, key))}
-    rows = []
+    rows = list[tuple[str, ...]]()
     for key, field in fields.items():
         if key not in inner:
             default = "required" if field.is_required() else _written_default(field)
-            rows.append(KeyDescription(key, _unit_and_range(field), default, field.description or ""))
+            rows.append((key, _unit_and_range(field), default, field.description or ""))
     return rows, inner
 
 
@@ -404,15 +396,9 @@ def _gripper_words(gripper: Gripper) -> str:
 def _grippers() -> tuple[dict[str, Any], list[str]]:
     """A row a gripper, its source beneath."""
     known = grippers()
-    lines = [
-        row
-        for name, gripper in known.items()
-        for row in (f"{name:16} {_gripper_words(gripper)}", f"  {gripper.source}")
-    ]
-    return {"entries": {name: gripper.model_dump(mode="json") for name, gripper in known.items()}}, [
-        *lines,
-        "",
-    ]
+    rows = [(f"{name:16} {_gripper_words(row)}", f"  {row.source}") for name, row in known.items()]
+    entries = {name: gripper.model_dump(mode="json") for name, gripper in known.items()}
+    return {"entries": entries}, [*(line for row in rows for line in row), ""]
 
 
 def _list_rows(kind: str) -> list[str]:

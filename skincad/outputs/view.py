@@ -16,7 +16,7 @@ from manifold3d import triangulate
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import RefusedError
 from skincad.fabrication.job import Job
-from skincad.fabrication.sheet import opening_steps
+from skincad.fabrication.sheet import SheetStep, opening_steps
 from skincad.inputs.catalog import display_name
 from skincad.inputs.design import Design
 from skincad.mechanics.verdict import ContactCheck
@@ -40,12 +40,13 @@ def view_page(
     say how the design was judged, `check` gives the skin under its load. The `picture`, PNG, is shown where
     a browser draws nothing in three dimensions."""
     design, closed = job.design, job.closed
+
+    def moves(step: SheetStep) -> list[Data]:
+        return [{"parts": {n: way_out(closed.part(n), move) for n in move.parts}} for move in step.moves]
+
     data = {
         "parts": [_part(part, closed, meshes[part.name]) for part in closed.parts],
-        "steps": [
-            {"words": step.words, "moves": [_moved_parts(closed, move) for move in step.moves]}
-            for step in opening_steps(job)
-        ],
+        "steps": [{"words": step.words, "moves": moves(step)} for step in opening_steps(job)],
         "load": _load(design, check),
     }
     payload = base64.b64encode(zlib.compress(json.dumps(data, allow_nan=False).encode(), 9)).decode()
@@ -67,10 +68,6 @@ def _part(part: Part, closed: ClosedMold, mesh: trimesh.Trimesh) -> Data:
         "points": _packed(np.asarray(mesh.vertices)),
         "faces": _packed(np.asarray(mesh.faces)),
     }
-
-
-def _moved_parts(closed: ClosedMold, move: Move) -> Data:
-    return {"parts": {name: way_out(closed.part(name), move) for name in move.parts}}
 
 
 def way_out(part: Part, move: Move) -> Data:

@@ -14,7 +14,7 @@ import trimesh
 
 import skincad
 from bench.campaign.random_designs import drawn
-from skincad.outputs import assembly, write_assembly
+from skincad.outputs import write_assembly
 from skincad.shape import Point, loop
 from skincad.solids import ClosedMold, PartRole, workplane
 from skincad.solids.mold import mold
@@ -80,7 +80,7 @@ def test_a_square_groove_by_hand() -> None:
 def combs_and_shims(closed: ClosedMold, path: Path) -> gmsh.Read:
     """What gmsh reads of them alone: the rest costs most and shows nothing of tails."""
     stack = ClosedMold(tuple(closed.of(PartRole.COMB, PartRole.SHIM)), ())
-    write_assembly(assembly(stack, {part.name: workplane(part) for part in stack.parts}, "tails"), path)
+    write_assembly(stack, workplane, "tails", path)
     return gmsh.read(path)
 
 

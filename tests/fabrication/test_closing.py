@@ -173,9 +173,9 @@ def test_the_steps_make_each_move_once_in_the_molds_order(name: str) -> None:
 
 def test_no_strip_leaves_before_its_skin() -> None:
     design = skincad.load(*MOLDS["cast in"])
-    words, moves = opening_steps(Job(design))[0]
-    assert "Take the weights off" in words
-    assert moves == ()
+    first = opening_steps(Job(design))[0]
+    assert "Take the weights off" in first.words
+    assert first.moves == ()
 
 
 @pytest.mark.parametrize("name", KINDS)

@@ -26,19 +26,19 @@ def by_rule(design: Design) -> dict[str, Finding]:
 def test_a_faces_metal_by_hand(yamada: Design) -> None:
     """Electrode, lead to the link's end, the link above the lead, and the pad beyond the link."""
     film = yamada.film
-    outlines = faces(film, 0.25, 6.0, 14.0)
+    front, back, overlap, pads = faces(film, 0.25, 6.0, 14.0)
     sensed = 2 * (6 - 0.04) * 2 * (0.125 - 0.04)
     first = 14.0 + 0.5 + 4.5 + 0.5
     lead = (first + 1.0 - (6 - 0.04)) * (0.125 - 0.02)
     rest = 1.0 * (2.02 - 0.125) + 2.0 * 1.5
-    for metal in (outlines.front, outlines.back):
+    for metal in (front, back):
         assert area(metal) == pytest.approx(sensed + lead + rest, rel=1e-12)
-    assert area(outlines.overlap) == pytest.approx(sensed, rel=1e-12)
-    assert [area(pad) for pad in outlines.pads] == pytest.approx([3.0 * 1.5] * 2)
-    heights = [sum(s.start.z for s in pad) / 4 for pad in outlines.pads]
+    assert area(overlap) == pytest.approx(sensed, rel=1e-12)
+    assert [area(pad) for pad in pads] == pytest.approx([3.0 * 1.5] * 2)
+    heights = [sum(s.start.z for s in pad) / 4 for pad in pads]
     assert heights == pytest.approx([PITCH / 2, -PITCH / 2])
-    assert {s.start.x for s in outlines.front} == {s.start.x for s in outlines.back}
-    assert {s.start.z for s in outlines.front} == {-s.start.z for s in outlines.back}
+    assert {s.start.x for s in front} == {s.start.x for s in back}
+    assert {s.start.z for s in front} == {-s.start.z for s in back}
 
 
 def test_margin_gap_and_tab_by_hand(yamada: Design) -> None:

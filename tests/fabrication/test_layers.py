@@ -274,7 +274,7 @@ def test_a_primer_is_used_the_day_it_is_brushed_on() -> None:
     job = Job(layered(CORE, mold={"carrier": "plain"}))
     steps = [*sheet_steps(job)]
     assert steps.index("cure the layer in front") < steps.index("prime") < steps.index("carrier")
-    days = {entry.task.what: entry.day for entry in day_plan(job)}
+    days = {task.what: task.day for task in day_plan(job)}
     assert days["prime the carrier"] == days["close the mold, mix and fill it"]
 
 

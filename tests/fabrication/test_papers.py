@@ -27,14 +27,13 @@ from skincad.fabrication import (
     pours,
     print_plates,
     seal_pattern,
-    shim_notes,
 )
 from skincad.fabrication.assembly_drawing import assembly_drawing
 from skincad.fabrication.day_plan import day_plan
 from skincad.fabrication.fasteners import dowels, limits, pin_length, thread_words
 from skincad.fabrication.orders import orders
 from skincad.fabrication.part_drawing import notes, surface_words, what_matters
-from skincad.fabrication.patterns import cut_words
+from skincad.fabrication.patterns import pattern_words
 from skincad.fabrication.pouring import filling
 from skincad.fabrication.rules import slit_play
 from skincad.inputs import processes
@@ -200,14 +199,14 @@ def _of_goods(job: Job, items: dict[str, list[Row]], sheet: str) -> Iterator[str
         thick, deep, long = shim["designation"].split(" x ")
         if f"{shim['quantity']} shims of spring steel, {thick} x {deep} mm, {long} mm long" not in sheet:
             yield f"shims: {shim}"
-        if not any(f"spring steel {thick} thick" in note for note in shim_notes(job)):
+        if not any(f"spring steel {thick} thick" in note for note in pattern_words("shims", job=job)):
             yield f"shims on their pattern: {shim}"
     # the seal's sheet
     for seal in items.get("seal", []):
         (thick,) = numbers(r"sheet of ([\d.]+)", seal["designation"])
         others = (
             numbers(r"a sheet of ([\d.]+) mm", sheet),
-            numbers(r"sheet of ([\d.]+) mm", seal_pattern(job.closed).notes[0]),
+            numbers(r"sheet of ([\d.]+) mm", seal_pattern(job.closed)[1][0]),
         )
         if others != ([thick], [thick]):
             yield f"seal: {thick}, {others}"
@@ -227,7 +226,12 @@ def _of_part(job: Job, part: Part, item: Row, sheet: str, order: str) -> Iterato
     if item["tolerance"] != general or general not in order:
         yield f"{part.name}: tolerance {item['tolerance']}"
     # one wire in words and in the DXF
-    wires = set(numbers(r"[Ww]ire Ø([\d.]+)", " ".join([*notes(job, part), cut_words(job, part)])))
+    wires = set(
+        numbers(
+            r"[Ww]ire Ø([\d.]+)",
+            " ".join([*notes(job, part), *pattern_words("cut", process=job.process(part))]),
+        )
+    )
     if len(wires) > 1:
         yield f"{part.name}: wires {wires}"
     gate = {2 * bore.radius for bore in bores(part, CutRole.GATE)}

@@ -172,27 +172,27 @@ def test_a_carrier_is_pulled_by_what_its_rivets_or_its_primer_bear() -> None:
 @pytest.mark.parametrize("name", SHIPPED)
 def test_hands_work_by_day_after_what_has_to_cure(name: str) -> None:
     job = Job(load(name))
-    entries = day_plan(job)
-    assert [entry.task for entry in entries] == tasks(job)
+    plan = day_plan(job)
+    assert [task._replace(day=0, hour=0.0) for task in plan] == tasks(job)
     ready = 0.0
-    for entry in entries:
-        begin = 24 * (entry.day - 1) + entry.hour
-        assert DAY[0] <= entry.hour <= DAY[1]
+    for task in plan:
+        begin = 24 * (task.day - 1) + task.hour
+        assert DAY[0] <= task.hour <= DAY[1]
         assert begin >= ready - 1e-9
-        assert entry.hour + entry.task.hands / 60 <= DAY[1] or entry.hour == DAY[0]
-        ready = begin + (entry.task.hands + entry.task.wait) / 60
-    *_, opened, last = [e for e in entries if e.task.wait or e is entries[-1]]
-    cured = 24 * (opened.day - 1) + opened.hour + (opened.task.hands + opened.task.wait) / 60
+        assert task.hour + task.hands / 60 <= DAY[1] or task.hour == DAY[0]
+        ready = begin + (task.hands + task.wait) / 60
+    *_, opened, last = [task for task in plan if task.wait or task is plan[-1]]
+    cured = 24 * (opened.day - 1) + opened.hour + (opened.hands + opened.wait) / 60
     assert 24 * (last.day - 1) + last.hour >= cured + 24 - 1e-9  # a day after the last cure
 
 
 @pytest.mark.parametrize("name", FILMED)
 def test_primed_strips_are_used_while_their_primer_is_good(name: str) -> None:
-    entries = day_plan(Job(load(name)))
-    primed = next(i for i, e in enumerate(entries) if e.task.what == "make the strips ready")
-    used = next(e for e in entries[primed:] if e.task.what.startswith(("draw the strips", "close the mold")))
-    begin = entries[primed].hour + entries[primed].task.hands / 60
-    end = 24 * (used.day - entries[primed].day) + used.hour + used.task.hands / 60
+    plan = day_plan(Job(load(name)))
+    primed = next(i for i, task in enumerate(plan) if task.what == "make the strips ready")
+    used = next(t for t in plan[primed:] if t.what.startswith(("draw the strips", "close the mold")))
+    begin = plan[primed].hour + plan[primed].hands / 60
+    end = 24 * (used.day - plan[primed].day) + used.hour + used.hands / 60
     assert end - begin <= 8.0  # h, as the sheet says
 
 

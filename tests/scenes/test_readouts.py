@@ -50,7 +50,7 @@ def test_states_of_kept_steps_are_those_marched(shown: Simulation) -> None:
 
 def moments(simulation: Simulation) -> list[Moment]:
     march = simulation.march
-    return [Moment(f"step {i}", march.pad.shown(s)) for i, s in sorted(march.states.items())]
+    return [(f"step {i}", march.pad.shown(s)) for i, s in sorted(march.states.items())]
 
 
 def test_a_section_is_drawn_with_its_plate(shown: Simulation, tmp_path: Path) -> None:
@@ -78,7 +78,7 @@ def test_colours_are_one_scale_for_all_frames() -> None:
 
     def stressed(stress: float) -> Moment:
         stresses, triangle = np.full((3, 4), stress), np.array([[0, 1, 2]])
-        return Moment("", DeformedSection(place, 0 * place, stresses, triangle, none, 1.0, 0.0))
+        return "", DeformedSection(place, 0 * place, stresses, triangle, none, 1.0, 0.0)
 
     assert moments_limit([stressed(-2.0), stressed(1.0)]) == pytest.approx(2.0)
     assert moments_limit([stressed(0.0)]) > 0

@@ -16,7 +16,6 @@ from skincad.outputs.drawing.part_sheet import (
     PAPERS,
     SCALES,
     VIEW_GAP,
-    TitleBlock,
     column,
     column_height,
     scale_words,
@@ -32,7 +31,7 @@ BESIDE_MOLD = 6.0  # mm of the part, between the mold and its plugs
 SOFT = {"seal", "skin"}  # shown without hatching: they are squeezed or poured
 
 
-def assembly_sheet(drawing: AssemblyDrawing, version: str, date: str) -> Sheet:
+def assembly_sheet(drawing: AssemblyDrawing, date: str) -> Sheet:
     """Return the sheet of a closed mold on the smallest paper that takes it; `date` is "" where it is left
     out."""
     papers = [paper for paper in PAPERS if paper.beside and column_height(drawing) < paper.size[1] - 20.0]
@@ -50,10 +49,9 @@ def assembly_sheet(drawing: AssemblyDrawing, version: str, date: str) -> Sheet:
     base = section.at((0.0, z_low))[1] - 2 * OVER
     origin = middle - scale * (plan_low[0] + plan_high[0]) / 2, base - scale * plan_high[1]
     plan = ViewPlacement(origin, scale)
-    title = TitleBlock(scale_words(scale), paper.name, version, date)
     marks: list[Mark] = [
         rectangle(paper.frame, "FRAME"),
-        *column(drawing, title, right - COLUMN, low),
+        *column(drawing, paper, scale, date),
         *_section_marks(drawing, section),
         *_plan_marks(drawing, plan),
     ]
@@ -166,10 +164,10 @@ def _plan_marks(drawing: AssemblyDrawing, place: ViewPlacement) -> Iterator[Mark
     for y in (under - 3.0, over + 3.0):
         yield Words("A", (x + 1.0, y), 2.5, "TEXT")
     side = place.at((right, 0.0))[0] + 2.5 * BALLOON
-    rows = sorted(drawing.balloons, key=lambda balloon: balloon.at[1])
+    rows = sorted(drawing.balloons, key=lambda balloon: balloon[1][1])
     heights = _spread(len(rows), place.at((0.0, low))[1], place.at((0.0, high))[1])
-    for balloon, height in zip(rows, heights, strict=True):
-        yield from _balloon(balloon.item, (side, height), place.at(balloon.at))
+    for (item, at), height in zip(rows, heights, strict=True):
+        yield from _balloon(item, (side, height), place.at(at))
     (a_low, b_low), (a_high, b_high) = extent(drawing.plan)
     a, b = place.at((a_low, b_low)), place.at((a_high, b_high))
     under = place.at((0.0, low))[1] - 8.0

@@ -13,18 +13,19 @@ import base64
 import math
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from skincad.fabrication.drawn_features import number
 from skincad.fabrication.electrodes import fan_out
 from skincad.fabrication.job import Job
+from skincad.fabrication.papers import macro
 from skincad.fabrication.patterns import (
     StripPattern,
     pattern_notes,
+    pattern_words,
     seal_pattern,
-    shim_notes,
     shim_patterns,
     strip_patterns,
 )
@@ -59,25 +60,14 @@ NOTES_Z, SEAL_NOTES_GAP = -14.0, 6.0  # mm of paper: notes' first line, below z 
 STRIPS = 2.5  # paper by strip
 OTHER_FONT = 1.2  # assumption: letters of a font in Arial's place, by Arial's width
 STRIPS_ROOM = 20.0, 32.5  # mm of paper, beside and over the strips, for their dimensions
-FOOTPRINT_FORMAT = 20211014  # source: KiCad 6, file formats, footprint libraries; later ones read it
-PIN, DRILL = 1.7, 1.0  # mm, source: KiCad's own pin headers of 2.54 mm, for pins 0.64 square
 FOOTPRINT_ROOM = 1.8  # mm, source: the same, of the courtyard beyond a pin's centre
-FOOTPRINT_TEXT = 0.8  # mm, assumption: the smallest letters that boards' makers print
-FOOTPRINT = "strip-board"
 
 
 def write_section_dxf(design: Design, path: Path) -> None:
     """Write the skin's own section with true arcs (polyline bulges) as DXF, mm: layers OUTLINE and SLOTS,
     DIMENSIONS, and TEXT, which says that a mold is not cut by it."""
     sheet = _section(design, "OUTLINE")
-    larger = 1 / (1 - shrinkage(design))
-    by = f"{larger:.6g} times as large, for the silicone's shrinkage" if larger > 1 else "as large"
-    bent = design.skin.curvature_radius_y is not None
-    notes = [
-        "The skin as it shall be, cured: not for cutting."
-        + (" Section in its middle, y = 0." if bent else ""),
-        f"The mold is {by}: cut it by the DXF of its own parts, layer CUT.",
-    ]
+    notes = pattern_words("section", design=design, larger=1 / (1 - shrinkage(design)))
     written = _note_words(notes, (-SECTION_WIDTH / 2, NOTES_Z), SIZE)
     write_dxf(path, [*sheet.marks, *written], sheet.scale, notes)
 
@@ -161,7 +151,7 @@ def _strip_dimensions(strip: StripPattern, scale: float) -> list[Dimension]:
         rows.append(linear(((a, high), (b, high)), top, True, scale, label))
 
     sensed, pad, other = ([scale * v for v in _extent(o)] for o in (strip.overlap, *strip.pads))
-    cuts = [scale * line.start.x for line in strip.cut_off]
+    cuts = [scale * start.x for start, _ in strip.cut_off]
     wired_a = cuts[0] > 0  # what is cut off is at the other end
     over(sensed[0], sensed[2], 0, "both faces")
     over(*((pad[2], sensed[0]) if wired_a else (sensed[2], pad[0])), 1, "leads")
@@ -171,8 +161,7 @@ def _strip_dimensions(strip: StripPattern, scale: float) -> list[Dimension]:
     line_x = left - 6.0 if wired_a else right + 6.0
     words = f"pads {number((centres[1][1] - centres[0][1]) / scale)}"
     rows.append(linear((centres[0], centres[1]), line_x, False, scale, words))
-    line = strip.cut_off[0]
-    x, (_, z0), (_, z1) = cuts[0] + 5.0, *(tuple(scale * v for v in point) for point in line)
+    x, (z0, z1) = cuts[0] + 5.0, (scale * end.z for end in strip.cut_off[0])
     wide = abs(z1 - z0)
     rows.append(linear(((x, z0), (x, z1)), x, False, scale, number(wide / scale)))
     if high - low > wide + 1e-9:
@@ -237,7 +226,7 @@ def _strips(job: Job) -> Sheet:
 def write_shims_dxf(job: Job, path: Path) -> None:
     """Write the cutting pattern of one skin's shims as DXF, mm: CUT, ENGRAVE (ridge and slot, beside each),
     MARK (where a tail is thinned, at +x) and TEXT."""
-    shims, notes = shim_patterns(job), shim_notes(job)
+    shims, notes = shim_patterns(job), pattern_words("shims", job=job)
     marks: list[Mark] = [Contour(shim.cut, "CUT") for shim in shims]
     marks += [Words(shim.label, shim.label_at, 1.0, "ENGRAVE") for shim in shims]
     marks += [line(*shim.thinned, "MARK") for shim in shims if shim.thinned]
@@ -249,25 +238,20 @@ def write_shims_dxf(job: Job, path: Path) -> None:
 def write_seal_dxf(closed: ClosedMold, path: Path) -> None:
     """Write the cutting pattern of the foam under the cover as DXF, mm, seen from above, end b up: CUT
     (outline and holes), TEXT and DIMENSIONS over it and at its right."""
-    pattern = seal_pattern(closed)
-    (left, low), (right, high) = pattern.box
+    loops, notes = seal_pattern(closed)
+    left, low, right, high = _extent(loops[0])
     marks: list[Mark] = [
-        *(Contour(loop, "CUT") for loop in pattern.loops),
+        *(Contour(loop, "CUT") for loop in loops),
         linear(((left, high), (right, high)), high + 6.0, True, 1.0, number(right - left)),
         linear(((right, low), (right, high)), right + 8.0, False, 1.0, number(high - low)),
-        *_note_words(pattern.notes, (left, low - SEAL_NOTES_GAP), SIZE),
+        *_note_words(notes, (left, low - SEAL_NOTES_GAP), SIZE),
     ]
-    write_dxf(path, marks, notes=pattern.notes)
-
-
-def write_strip_board(job: Job, path: Path) -> None:
-    """Write the footprint of one skin's contacts as .kicad_mod, mm, y down: pads are named by ridge, slot and
-    face, as "3S1+" is the front of ridge 3's S1."""
-    path.write_text(strip_board(job), encoding="utf-8")
+    write_dxf(path, marks, notes=notes)
 
 
 def strip_board(job: Job) -> str:
-    """Return the footprint's text. Raises ValueError without film."""
+    """Return the footprint of one skin's contacts as .kicad_mod, mm, y down: pads are named by ridge, slot
+    and face, as "3S1+" is the front of ridge 3's S1. Raises ValueError without film."""
     design = job.design
     fan, film = fan_out(job), design.film
     if fan is None or film is None:
@@ -276,30 +260,5 @@ def strip_board(job: Job) -> str:
     middle, row = (len(strips) - 1) / 2, PITCH / 2
     places = [(f"{s.feature}{s.side}", PITCH * (i - middle)) for i, s in enumerate(strips)]
     side, high = PITCH * middle + FOOTPRINT_ROOM, row + FOOTPRINT_ROOM
-    which = f"Strips of {design.name}, revision {design.revision}"
-    rows = [
-        f'(footprint "{FOOTPRINT}" (version {FOOTPRINT_FORMAT}) (generator skincad)',
-        '  (layer "F.Cu")',
-        f'  (descr "{which}: seen from the skin, pins towards it, + above")',
-        "  (attr through_hole)",
-        _footprint_text("reference", "J**", (0.0, -high - 4.5), "F.SilkS"),
-        _footprint_text("value", FOOTPRINT, (0.0, high + 1.5), "F.Fab"),
-        _footprint_text("user", "+", (-side - 1.0, -row), "F.SilkS"),
-        _footprint_text("user", "-", (-side - 1.0, row), "F.SilkS"),
-        f'  (fp_rect (start {-side:.4f} {-high:.4f}) (end {side:.4f} {high:.4f}) (layer "F.CrtYd")'
-        " (width 0.05) (fill none))",
-    ]
-    for label, x in places:
-        rows.append(_footprint_text("user", label, (x, -high - 1.5), "F.SilkS", 90))
-        rows += [
-            f'  (pad "{label}{sign}" thru_hole circle (at {x:.4f} {y:.4f}) (size {PIN:g} {PIN:g}) '
-            f'(drill {DRILL:g}) (layers "*.Cu" "*.Mask"))'
-            for sign, y in (("+", -row), ("-", row))
-        ]
-    return "\n".join([*rows, ")"]) + "\n"
-
-
-def _footprint_text(kind: str, text: str, at: tuple[float, float], layer: str, turn: int = 0) -> str:
-    size = f"(effects (font (size {FOOTPRINT_TEXT:g} {FOOTPRINT_TEXT:g}) (thickness 0.12)))"
-    turned = f" {turn}" if turn else ""
-    return f'  (fp_text {kind} "{text}" (at {at[0]:.4f} {at[1]:.4f}{turned}) (layer "{layer}") {size})'
+    facts: dict[str, Any] = {"design": design, "side": side, "high": high, "row": row, "places": places}
+    return macro("papers/strip-board.kicad_mod", "board", **facts)

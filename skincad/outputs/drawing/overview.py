@@ -202,13 +202,11 @@ def _ring(view: ViewPlacement, points: Array, layer: str) -> Ink:
 
 def _across(view: ViewPlacement, ends: Place, start: float, out: float, words: str) -> Mark:
     """A dimension between two x of the page, its extension lines from the height `start` on."""
-    feet = (ends[0], start), (ends[1], start)
-    return linear(feet, start + out, True, view.scale, words)
+    return linear(((ends[0], start), (ends[1], start)), start + out, True, view.scale, words)
 
 
 def _upright(view: ViewPlacement, start: float, ends: Place, out: float, words: str) -> Mark:
-    feet = (start, ends[0]), (start, ends[1])
-    return linear(feet, start + out, False, view.scale, words)
+    return linear(((start, ends[0]), (start, ends[1])), start + out, False, view.scale, words)
 
 
 def _caption(x: float, y: float, words: str) -> Words:

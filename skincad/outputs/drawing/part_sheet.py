@@ -14,6 +14,7 @@ import numpy as np
 import shapely
 
 from skincad.base.arrays import Array
+from skincad.base.version import __version__
 from skincad.fabrication.drawn_features import FRONT, Groove, Slit, number
 from skincad.fabrication.part_drawing import DrawingTable, PartDrawing, Titled
 from skincad.outputs.drawing.marks import (
@@ -87,45 +88,40 @@ def scale_words(scale: float) -> str:
     return f"{scale:g}:1" if scale >= 1 else f"1:{1 / scale:g}"
 
 
-class Arrangement(NamedTuple):
-    """How views and detail lie on a paper: scale, width and height of all, mm, and whether the detail is in
-    the corner between the left view and that from above, or under the views."""
-
-    scale: float
-    size: tuple[float, float]
-    in_corner: bool
+# How views and detail lie on a paper: scale, width and height of all, mm, and whether the detail is in the
+# corner between the left view and that from above, or under the views
+Arrangement = tuple[float, tuple[float, float], bool]
 
 
-def part_sheet(drawing: PartDrawing, version: str, date: str) -> Sheet:
+def part_sheet(drawing: PartDrawing, date: str) -> Sheet:
     """Return the sheet of a part; `date` is "" where it is left out."""
-    paper, arrangement = _choice(drawing)
-    _, low, right, _ = paper.frame
+    paper, (scale, size, in_corner) = _choice(drawing)
     area, detail = _area(drawing, paper), detail_size(drawing, paper.window)
-    title_block = TitleBlock(scale_words(arrangement.scale), paper.name, version, date)
-    side_margin = (area[2] - area[0] - arrangement.size[0]) / 2
-    spare = (area[3] - area[1] - arrangement.size[1]) / (2 if arrangement.in_corner else 3)
+    side_margin = (area[2] - area[0] - size[0]) / 2
+    spare = (area[3] - area[1] - size[1]) / (2 if in_corner else 3)
     views = area[0] + side_margin, area[1], area[2], area[3] - spare
-    placements = places(drawing, arrangement.scale, views)
+    placements = places(drawing, scale, views)
     corner = area[0] + side_margin, area[1] + spare
-    if arrangement.in_corner:
-        corner = corner[0] + arrangement.size[0] - detail[0], area[3] - spare - arrangement.size[1]
+    if in_corner:
+        corner = corner[0] + size[0] - detail[0], area[3] - spare - size[1]
     detail_box = (*corner, corner[0] + detail[0], corner[1] + detail[1])
     marks: list[Mark] = [
         rectangle(paper.frame, "FRAME"),
-        *column(drawing, title_block, right - COLUMN, low),
+        *column(drawing, paper, scale, date),
         *view_marks(drawing, placements, views, detail_box),
         *detail_marks(drawing, placements[FRONT], corner, paper.window),
     ]
     title, cut = f"{drawing.design}: {drawing.name}", _cut(drawing, placements)
-    return Sheet(title, paper.size, arrangement.scale, tuple(marks), cut, drawing.cut_notes)
+    return Sheet(title, paper.size, scale, tuple(marks), cut, drawing.cut_notes)
 
 
 def _cut(drawing: PartDrawing, placements: dict[str, ViewPlacement]) -> tuple[Contour, ...]:
     """What is cut through, where its view lies, mm of the part."""
     if drawing.cut is None:
         return ()
-    (x, y), scale = placements[drawing.cut.view].origin, placements[drawing.cut.view].scale
-    return tuple(Contour(shifted(loop, x / scale, y / scale), "CUT") for loop in drawing.cut.loops)
+    view, loops = drawing.cut
+    (x, y), scale = placements[view]
+    return tuple(Contour(shifted(loop, x / scale, y / scale), "CUT") for loop in loops)
 
 
 def _area(drawing: PartDrawing, paper: Paper) -> Box:
@@ -150,12 +146,13 @@ def _choice(drawing: PartDrawing) -> tuple[Paper, Arrangement]:
         room = _area(drawing, paper)
         wide, tall = room[2] - room[0] - 4.0, room[3] - room[1] - 4.0
         options = (one for scale in SCALES for one in _arrangements(drawing, paper, scale))
-        arrangement = next((one for one in options if one.size[0] <= wide and one.size[1] <= tall), None)
-        if arrangement is None:
+        fitting = ((scale, size, at) for scale, size, at in options if size[0] <= wide and size[1] <= tall)
+        if (arrangement := next(fitting, None)) is None:
             continue
-        if best is None or arrangement.scale > best[1].scale:
+        scale = arrangement[0]
+        if best is None or scale > best[1][0]:
             best = paper, arrangement
-        if arrangement.scale * legibility >= 1:
+        if scale * legibility >= 1:
             break
     return best or (PAPERS[-1], _arrangements(drawing, PAPERS[-1], SCALES[-1])[-1])
 
@@ -164,7 +161,7 @@ def _spacing(drawing: PartDrawing) -> float:
     """Least distance of two holes in a view, mm; those on one line are one."""
     views: dict[str, list[tuple[float, float]]] = {}
     for group in drawing.holes:
-        views.setdefault(group.view, []).extend(hole.at for hole in group.holes)
+        views.setdefault(group.view, []).extend(group.holes.values())
     pairs = (math.dist(a, b) for ats in views.values() for i, a in enumerate(ats) for b in ats[:i])
     return min((distance for distance in pairs if distance > 1e-6), default=math.inf)
 
@@ -174,19 +171,16 @@ def _arrangements(drawing: PartDrawing, paper: Paper, scale: float) -> tuple[Arr
     views, corner = size_of(drawing, scale), corner_of(drawing, scale)
     wide, tall = detail_size(drawing, paper.window)
     if not wide:
-        return (Arrangement(scale, views, False),)
+        return ((scale, views, False),)
     beside = max(views[0], corner[0] + TAGS + wide), max(views[1], corner[1] + CAPTION + tall)
     under = max(views[0], wide), views[1] + tall
-    return Arrangement(scale, beside, True), Arrangement(scale, under, False)
+    return (scale, beside, True), (scale, under, False)
 
 
-class Focus(NamedTuple):
-    """What a detail shows: its middle in the front view and its extent, mm, and what is dimensioned: two
-    points, the line's distance from them (to the left of the way), all mm, and words."""
-
-    middle: Place
-    extent: tuple[float, float]
-    sizes: tuple[tuple[Place, Place, float, str], ...]
+Size = tuple[float, float]
+# What a detail shows: its middle in the front view and its extent, mm, and what is dimensioned: two points,
+# the line's distance from them (to the left of the way), all mm, and words
+Focus = tuple[Place, Size, tuple[tuple[Place, Place, float, str], ...]]
 
 
 def detail_size(drawing: PartDrawing, window: tuple[float, float]) -> tuple[float, float]:
@@ -195,7 +189,7 @@ def detail_size(drawing: PartDrawing, window: tuple[float, float]) -> tuple[floa
     focus = _focus(drawing)
     if focus is None:
         return 0.0, 0.0
-    _, (wide, tall) = _scale_and_window(focus, window)
+    _, (wide, tall) = _scale_and_window(focus[1], window)
     return wide + 2 * DETAIL_MARGIN[0], tall + 2 * DETAIL_MARGIN[1]
 
 
@@ -205,11 +199,11 @@ def _focus(drawing: PartDrawing) -> Focus | None:
     return _groove_focus(drawing.grooves) if drawing.grooves else None
 
 
-def _scale_and_window(focus: Focus, max_size: tuple[float, float]) -> tuple[float, tuple[float, float]]:
-    """The largest standard scale at which a window of at most this size shows it, and the window, mm."""
-    fits = SLACK * min(w / e for w, e in zip(max_size, focus.extent, strict=True))
+def _scale_and_window(extent: Size, max_size: Size) -> tuple[float, Size]:
+    """The largest standard scale at which a window of at most this size shows an extent; the window, mm."""
+    fits = SLACK * min(w / e for w, e in zip(max_size, extent, strict=True))
     scale = next((s for s in DETAIL_SCALES if s <= fits), DETAIL_SCALES[-1])
-    rows = zip(max_size, MIN_WINDOW, WINDOW_FACTOR, focus.extent, strict=True)
+    rows = zip(max_size, MIN_WINDOW, WINDOW_FACTOR, extent, strict=True)
     wide, tall = (min(room, max(least, by * scale * size)) for room, least, by, size in rows)
     return scale, (wide, tall)
 
@@ -222,18 +216,19 @@ def detail_marks(
     focus = _focus(drawing)
     if focus is None:
         return []
-    scale, size = _scale_and_window(focus, max_size)
+    shown, extent, sizes = focus
+    scale, size = _scale_and_window(extent, max_size)
     left, low = corner[0] + DETAIL_MARGIN[0], corner[1] + DETAIL_MARGIN[1]
     middle = left + size[0] / 2, low + size[1] / 2
-    place = ViewPlacement((middle[0] - scale * focus.middle[0], middle[1] - scale * focus.middle[1]), scale)
+    place = ViewPlacement((middle[0] - scale * shown[0], middle[1] - scale * shown[1]), scale)
     window = left, low, left + size[0], low + size[1]
     marks: list[Mark] = [rectangle(window, "CENTRE")]
     marks += [Ink(s, "OUTLINE") for s in _profile_in_window(drawing, place, window)]
-    for a, b, out, words in focus.sizes:
+    for a, b, out, words in sizes:
         marks.append(aligned((place.at(a), place.at(b)), scale * out, scale, words, DETAIL_TEXT))
     caption = f"detail {LETTER} ({scale:g}:1)"
     marks.append(Words(caption, (middle[0], corner[1] + 3.5), 2.5, "TEXT", "middle"))
-    (x, y), (w, h) = front.at(focus.middle), (length / scale / 2 * front.scale for length in size)
+    (x, y), (w, h) = front.at(shown), (length / scale / 2 * front.scale for length in size)
     marks.append(rectangle((x - w, y - h, x + w, y + h), "DIMENSIONS"))
     return [*marks, Words(LETTER, (x + w + 0.5, y + h + 0.3), 1.8, "DIMENSIONS")]
 
@@ -258,7 +253,7 @@ def _slit_focus(slits: tuple[Slit, ...]) -> Focus:
         spacing = number(math.dist(mouths[0], mouths[-1]))
         sizes.append((mouths[0], mouths[-1], 0.4 * first.depth, spacing))
     size = max(x) - min(x) + 2.2 * first.depth, (max(y) - min(y)) * 2.2
-    return Focus(((max(x) + min(x)) / 2, (max(y) + min(y)) / 2), size, tuple(sizes))
+    return ((max(x) + min(x)) / 2, (max(y) + min(y)) / 2), size, tuple(sizes)
 
 
 def _groove_focus(grooves: tuple[Groove, ...]) -> Focus:
@@ -275,7 +270,7 @@ def _groove_focus(grooves: tuple[Groove, ...]) -> Focus:
         (moved(groove.bottom, sideways, 0.0), mouth, 0.5 * groove.root + 0.4 * h, number(h)),
     )
     middle = moved(groove.bottom, up, h / 2)
-    return Focus(middle, (1.6 * groove.root, 1.9 * h), sizes)
+    return middle, (1.6 * groove.root, 1.9 * h), sizes
 
 
 def _profile_in_window(drawing: PartDrawing, place: ViewPlacement, window: Box) -> list[Stroke]:
@@ -299,23 +294,16 @@ def _chords(arc: Arc) -> Array:
     return np.array([arc.at(i / count) for i in range(count + 1)])
 
 
-class TitleBlock(NamedTuple):
-    """What the title block says besides what the drawing does."""
-
-    scale: str
-    paper: str
-    version: str
-    date: str  # "" where it is left out
-
-
 def column_height(drawing: Titled) -> float:
     """Return how high the column is, mm."""
     return TITLE + GAP + _notes_height(drawing) + sum(GAP + _table_height(t) for t in drawing.tables)
 
 
-def column(drawing: Titled, title_block: TitleBlock, left: float, low: float) -> list[Mark]:
-    """Return the column's marks, its lower left corner there."""
-    marks = _title(drawing, title_block, left, low)
+def column(drawing: Titled, paper: Paper, scale: float, date: str) -> list[Mark]:
+    """Return the column's marks, in the lower right corner of the paper's frame; `date` is "" where it is
+    left out."""
+    left, low = paper.frame[2] - COLUMN, paper.frame[1]
+    marks = _title(drawing, paper.name, scale_words(scale), date, left, low)
     high = low + TITLE + GAP + _notes_height(drawing)
     lines = _wrapped(drawing)
     for i, text in enumerate(lines):
@@ -387,7 +375,7 @@ def _grid(
     return marks
 
 
-def _title(drawing: Titled, title_block: TitleBlock, left: float, low: float) -> list[Mark]:
+def _title(drawing: Titled, paper: str, scale: str, date: str, left: float, low: float) -> list[Mark]:
     cells: list[tuple[Box, str, str, float]] = [
         ((0, 30, 96, TITLE), "title", f"{drawing.name}", 3.5),
         ((96, 30, 150, TITLE), "design", drawing.design, HEAD),
@@ -399,15 +387,15 @@ def _title(drawing: Titled, title_block: TitleBlock, left: float, low: float) ->
         ((141, 15, 180, 22.5), "all faces, µm (ISO 21920-1)", "" if drawing.surface else "-", HEAD),
         ((0, 7.5, 60, 15), "owner", "", HEAD),  # by hand, as ISO 7200 asks for them
         ((60, 7.5, 75, 15), "quantity", "1", HEAD),
-        ((75, 7.5, 125, 15), "drawn by", f"skincad {title_block.version}", HEAD),
+        ((75, 7.5, 125, 15), "drawn by", f"skincad {__version__}", HEAD),
         ((125, 7.5, 180, 15), "approved by", "", HEAD),
         ((0, 0, 40, 7.5), "drawing number", f"{drawing.design}/{drawing.name}", HEAD),
         ((40, 0, 60, 7.5), "revision", drawing.revision, HEAD),
-        ((60, 0, 75, 7.5), "scale", title_block.scale, HEAD),
+        ((60, 0, 75, 7.5), "scale", scale, HEAD),
         ((75, 0, 92, 7.5), "unit", "mm", HEAD),
-        ((92, 0, 108, 7.5), "paper", title_block.paper, HEAD),
+        ((92, 0, 108, 7.5), "paper", paper, HEAD),
         ((108, 0, 120, 7.5), "sheet", "1/1", HEAD),
-        ((120, 0, 180, 7.5), "date", title_block.date, HEAD),
+        ((120, 0, 180, 7.5), "date", date, HEAD),
     ]
     marks: list[Mark] = []
     for (x0, y0, x1, y1), label, text, height in cells:

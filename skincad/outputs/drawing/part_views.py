@@ -172,9 +172,9 @@ def _datums(drawing: PartDrawing, placements: dict[str, ViewPlacement]) -> list[
 def _tags(drawing: PartDrawing, placements: dict[str, ViewPlacement], room: Room) -> list[Mark]:
     """Every hole's diameter with its tag; the first of a group says how many there are, and their size."""
     rows = [
-        (placements[group.view], group, hole.at, _tag_text(group, i, hole.tag))
+        (placements[group.view], group, at, _tag_text(group, i, tag))
         for group in drawing.holes
-        for i, hole in enumerate(group.holes)
+        for i, (tag, at) in enumerate(group.holes.items())
     ]
     for place, group, at, _ in rows:
         (x, y), r = place.at(at), place.scale * max(group.diameter, group.far_diameter) / 2 + RIM
@@ -301,8 +301,8 @@ def bore_marks(holes: tuple[HoleGroup, ...], placements: dict[str, ViewPlacement
     marks: list[Mark] = []
     for group in holes:
         place, wide = placements[group.view], major(group.thread)
-        for hole in group.holes:
-            centre = place.at(hole.at)
+        for at in group.holes.values():
+            centre = place.at(at)
             (x, y), out = centre, place.scale * max(group.diameter, group.far_diameter) / 2 + OVERSHOOT
             marks.append(line((x - out, y), (x + out, y), "CENTRE"))
             marks.append(line((x, y - out), (x, y + out), "CENTRE"))

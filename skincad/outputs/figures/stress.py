@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -174,36 +173,27 @@ def _note(normal: FilmStress, both: FilmStress) -> str:
     return "\n".join(lines)
 
 
-@dataclass(frozen=True, eq=False)
-class Moment:
-    """A step's section and what is said of it."""
-
-    title: str
-    shown: DeformedSection
+Moment = tuple[str, DeformedSection]  # what is said of a step, and its section
 
 
 def section_picture(moment: Moment, path: Path) -> None:
     """Write a PNG of a section, coloured by the stress across the ridges."""
     with own_style():
-        picture = _sheet([moment]).image(moment)
+        _, picture = next(_images([moment]))
     _few_colours(picture, 255).save(path, format="PNG", optimize=True)
 
 
 def section_figure(moment: Moment) -> Picture:
     """Return the figure that `section_picture` writes."""
     with own_style():
-        sheet = _sheet([moment])
-        sheet.image(moment)
-    return sheet.figure
+        return next(_images([moment]))[0]
 
 
 def section_animation(moments: Sequence[Moment], path: Path) -> None:
     """Write a GIF of sections, all on one scale of colours and in one frame."""
     pictures = []
     with own_style():
-        sheet = _sheet(moments)
-        for moment in moments:
-            picture = sheet.image(moment)
+        for _, picture in _images(moments):
             height = round(picture.height * FRAME_WIDTH / picture.width)
             small = picture.resize((FRAME_WIDTH, height), Image.Resampling.LANCZOS)
             pictures.append(_few_colours(small, COLOURS))
@@ -223,31 +213,12 @@ def _few_colours(picture: Image.Image, count: int) -> Image.Image:
 
 def moments_limit(moments: Sequence[Moment]) -> float:
     """Largest stress of the colours, MPa: that below which nearly all silicone lies."""
-    every = (m.shown for m in moments)
-    return max(colour_limit(s.place, s.triangles[~s.film], s.stress[:, 0]) for s in every) or 1e-6
+    return max(colour_limit(s.place, s.triangles[~s.film], s.stress[:, 0]) for _, s in moments) or 1e-6
 
 
-@dataclass(frozen=True, eq=False)
-class _Sheet:
-    """A figure that is drawn on again and again, with one scale of colours and one frame."""
-
-    figure: Picture
-    axes: Axes
-    limit: float
-    frame: Frame
-
-    def image(self, moment: Moment) -> Image.Image:
-        self.axes.clear()
-        _draw_section(self.axes, moment.shown, self.limit, self.frame)
-        self.axes.set_title(moment.title)
-        canvas: Any = self.figure.canvas  # Agg's, whose drawing is untyped
-        canvas.draw()
-        self.figure.set_layout_engine("none")  # as it is laid out now, so that frames do not jump
-        return Image.fromarray(np.array(canvas.buffer_rgba())).convert("RGB")
-
-
-def _sheet(moments: Sequence[Moment]) -> _Sheet:
-    points = np.concatenate([m.shown.place + m.shown.shift for m in moments])
+def _images(moments: Sequence[Moment]) -> Iterator[tuple[Picture, Image.Image]]:
+    """Draw sections one after the other on one figure, with one scale of colours and one frame."""
+    points = np.concatenate([shown.place + shown.shift for _, shown in moments])
     (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
     wide, tall = BESIDE * (right - left), ABOVE * (high - low)
     left, right, low, high = frame = left - wide, right + wide, low - tall / 3, high + tall  # and some plate
@@ -255,7 +226,14 @@ def _sheet(moments: Sequence[Moment]) -> _Sheet:
     axes, limit = figure.add_subplot(), moments_limit(moments)
     scale = ScalarMappable(Normalize(-limit, limit), SIGNED_MAP)
     _name_colours(figure, scale, axes, 50, "stress along x, MPa; films black")
-    return _Sheet(figure, axes, limit, frame)
+    for title, shown in moments:
+        axes.clear()
+        _draw_section(axes, shown, limit, frame)
+        axes.set_title(title)
+        canvas: Any = figure.canvas  # Agg's, whose drawing is untyped
+        canvas.draw()
+        figure.set_layout_engine("none")  # as it is laid out now, so that frames do not jump
+        yield figure, Image.fromarray(np.array(canvas.buffer_rgba())).convert("RGB")
 
 
 def _draw_section(axes: Axes, shown: DeformedSection, limit: float, frame: Frame) -> None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -36,15 +37,15 @@ class Taxels:
     or ""), `poses` `(n, 3, 4)` mm, and `sizes` `(n, 2)` mm: across or along a strip's depth, and along y.
     """
 
+    poses: Array
     names: tuple[str, ...]
     kinds: tuple[str, ...]
     ridges: tuple[int, ...]
     sides: tuple[str, ...]
-    poses: Array
     sizes: Array
 
 
-Row = tuple[str, str, int, str, Array, tuple[float, float]]  # of one place, in the order of `Taxels`
+Row = tuple[str, str, int, str, Array, tuple[float, float]]  # of one place, as `Taxels` has them
 
 
 def taxels(design: Design) -> Taxels:
@@ -65,7 +66,7 @@ def crests(design: Design) -> Taxels:
 
 def _columns(rows: list[Row]) -> Taxels:
     names, kinds, ridges, sides, poses, sizes = zip(*rows, strict=True) if rows else [()] * 6
-    return Taxels(names, kinds, ridges, sides, np.reshape(poses, (-1, 3, 4)), np.reshape(sizes, (-1, 2)))
+    return Taxels(np.reshape(poses, (-1, 3, 4)), names, kinds, ridges, sides, np.reshape(sizes, (-1, 2)))
 
 
 def _strips(design: Design) -> list[Row]:
@@ -118,16 +119,9 @@ def taxels_csv(places: Taxels) -> str:
 
 def write_taxels(places: Taxels, path: Path) -> None:
     """Write the same as NPZ: `poses` (n, 3, 4), `names`, `kinds`, `ridges`, `sides`, `sizes` and `about`."""
-    np.savez(
-        path,
-        poses=places.poses,
-        names=np.array(places.names),
-        kinds=np.array(places.kinds),
-        ridges=np.array(places.ridges),
-        sides=np.array(places.sides),
-        sizes=places.sizes,
-        about=np.array(f"poses (n, 3, 4): axes as columns, then the place in mm; {FRAME}"),
-    )
+    about = f"poses (n, 3, 4): axes as columns, then the place in mm; {FRAME}"
+    columns: dict[str, Any] = {key: np.array(column) for key, column in vars(places).items()}
+    np.savez(path, **columns, about=np.array(about))
 
 
 def charges(design: Design, response: FilmResponse) -> tuple[Array, Array]:

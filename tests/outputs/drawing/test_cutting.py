@@ -308,7 +308,7 @@ def bracketed(text: str) -> list[Any]:
 def pads(text: str) -> dict[str, tuple[float, float]]:
     rows = [row for row in bracketed(text) if row[0] == "pad"]
     assert all(row[2:4] == ["thru_hole", "circle"] for row in rows)
-    assert all(["drill", f"{flat.DRILL:g}"] in row for row in rows)
+    assert all(["drill", "1"] in row for row in rows)
     places = {row[1]: (float(row[4][1]), float(row[4][2])) for row in rows}
     assert len(places) == len(rows)  # no name twice
     return places
@@ -388,7 +388,7 @@ def without_cuts_across(part: Part) -> Part:
 
 
 def write_part(design: Design, part: Part, path: Path) -> None:
-    sheet = part_sheet(part_drawing(Job(design), part, workplane(part).val(), None), "0", "")
+    sheet = part_sheet(part_drawing(Job(design), part, workplane(part).val(), None), "")
     formats.write_sheet_dxf(sheet, path)
 
 

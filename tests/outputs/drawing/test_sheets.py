@@ -21,7 +21,6 @@ from skincad.fabrication import (
     ABOVE,
     FRONT,
     AssemblyDrawing,
-    CrestAllowance,
     Job,
     PartDrawing,
     notches,
@@ -78,7 +77,7 @@ class Drawn(NamedTuple):
 def drawn(design: Design, part: Part) -> Drawn:
     shape = solid(part)
     drawing = part_drawing(Job(design), part, shape, None)
-    return Drawn(part, shape, drawing, part_sheet(drawing, "0", ""))
+    return Drawn(part, shape, drawing, part_sheet(drawing, ""))
 
 
 @cache
@@ -129,16 +128,16 @@ def test_every_bore_is_on_its_sheet(name: str, tmp_path: Path) -> None:
             distance = math.dist((a["x"], a["y"]), (b["x"], b["y"]))
             assert distance == pytest.approx(entity["actualMeasurement"], abs=READ)
         tags = [e["text"].split()[0] for e in read]
-        assert sorted(tags) == sorted(hole.tag for group in groups for hole in group.holes)
+        assert sorted(tags) == sorted(tag for group in groups for tag in group.holes)
         for group in groups:
-            first = next(e["text"] for e in read if e["text"].split()[0] == group.holes[0].tag)
+            first = next(e["text"] for e in read if e["text"].split()[0] == next(iter(group.holes)))
             assert group.size in first
             assert (group.role in THREADED) == ("M3" in first.split())  # or "M3 insert"
             row = f"{group.letter} ({len(group.holes)}x)", group.purpose, group.size
             assert re.search(r"\s+".join(map(re.escape, row)), words), (part.name, row)
             assert group.reach in words
-            for hole in group.holes:
-                assert re.search(rf"\b{hole.tag}\b", words), (part.name, hole.tag)
+            for tag in group.holes:
+                assert re.search(rf"\b{tag}\b", words), (part.name, tag)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -151,10 +150,10 @@ def test_places_and_depths_are_those_of_the_solid(name: str) -> None:
             if group.lean or group.diameter != group.far_diameter:
                 continue
             view = seen[group.view]
-            for hole in group.holes:
+            for hole, place in group.holes.items():
                 depths = []
                 for way, at, radius, face in faces:
-                    near = math.dist(view.at(at.toTuple()), hole.at) < 1e-5  # the kernel's tolerance is 1e-7
+                    near = math.dist(view.at(at.toTuple()), place) < 1e-5  # the kernel's tolerance is 1e-7
                     same = abs(2 * radius - group.diameter) < 1e-6
                     if near and same and abs(along(view.towards, way)) > 1 - 1e-9:
                         ends = [along(view.towards, vertex.Center()) for vertex in face.Vertices()]
@@ -331,7 +330,7 @@ def test_the_same_sheet_has_the_same_bytes_and_no_time(tmp_path: Path) -> None:
 def test_what_the_check_allows_is_in_the_table_of_grooves() -> None:
     part, shape, unchecked, _ = drawn_part("few", "cavity")
     drops = (0.0123, 0.05, math.inf)
-    drawing = part_drawing(Job(named("few")), part, shape, CrestAllowance(drops))
+    drawing = part_drawing(Job(named("few")), part, shape, drops)
     grooves = drawing.tables[-1]
     assert [row[-1] for row in grooves.rows] == ["0/-0.0123", "0/-0.0500", "free"]
     assert any("ridge 1 allows least, 0.0123" in note for note in drawing.notes)
@@ -412,7 +411,7 @@ def assembled(name: str) -> tuple[Job, AssemblyDrawing, marks.Sheet]:
     """A job, the drawing of its closed mold, and the sheet of that."""
     job = Job(ASSEMBLIES[name]() if name in ASSEMBLIES else skincad.load(name))
     drawing = assembly_drawing(job)
-    return job, drawing, assembly_sheet.assembly_sheet(drawing, "0", "")
+    return job, drawing, assembly_sheet.assembly_sheet(drawing, "")
 
 
 def area(drawing: AssemblyDrawing, part: str) -> float:

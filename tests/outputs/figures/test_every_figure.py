@@ -323,16 +323,19 @@ def test_cut_and_hidden_can_fail() -> None:
 def test_figures_are_there_of_each_kind_of_result() -> None:
     """A new presenter with figures is listed here, or this fails."""
     shown = {
-        (path.stem, name)
+        (path.stem, name or picture)
         for path in (Path(skincad.__file__).parent / "outputs").rglob("*.py")
-        for name in re.findall(r"^def (?!_)(\w*figures)\(", path.read_text("utf-8"), re.MULTILINE)
+        for name, picture in re.findall(
+            r'^def (?!_)(\w*figures)\(|figures=drawn\("([\w-]+)\.png"', path.read_text("utf-8"), re.MULTILINE
+        )
     }
     assert shown == {
-        *((name, "figures") for name in ("checks", "makes", "simulations")),
-        *(("measurements", f"{name}_figures") for name in ("fit", "press")),
+        *((name, "figures") for name in ("makes", "simulations")),
+        *(("measurements", name) for name in ("fit", "accept")),
         *(("studies", f"{name}_figures") for name in ("accuracy", "solution", "sweep")),
+        ("checks", "ridge-forces"),
         ("checks", "stress_figures"),
-        ("simulations", "gain_figures"),
+        ("simulations", "gain"),
     }
 
 
