@@ -1,23 +1,16 @@
-"""Solving for the values that give a wanted result.
-
-Several numbers so that several results have wanted values, with the least change from the start. Sequential:
-the results are taken as linear near where one is, by secants that every evaluation betters (Broyden 1965);
-the least change that gives the wanted values then is looked up within the ranges and a trust region, and
-evaluated.
-"""
+"""Solving for the values that give a wanted result: the question, and what was found (roots.py searches)."""
 
 from __future__ import annotations
 
 import itertools
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
 import numpy as np
-from scipy.optimize import lsq_linear, minimize
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError, require_number
@@ -37,7 +30,7 @@ from skincad.studies.query import (
     short,
     slack,
 )
-from skincad.studies.roots import STEP, Search, search
+from skincad.studies.roots import STEP, least_change, search
 from skincad.studies.subject import (
     DesignVariable,
     RangeText,
@@ -61,16 +54,6 @@ class SolutionPoint(Record):
     )
     nearest: Mapping[str, str] = item(meaning="the catalogue's choice that comes nearest to a number")
     passed: bool | None = item(meaning="whether all ridges touch there")
-
-    def as_json(self) -> dict[str, Any]:
-        """Return one entry of `solutions`."""
-        return {
-            "values": dict(self.values),
-            "reached": {key: estimate.as_json() for key, estimate in self.reached.items()},
-            "interval": {key: list(ends) for key, ends in self.interval.items()},
-            "nearest": dict(self.nearest),
-            "passed": self.passed,
-        }
 
 
 @record()
@@ -155,131 +138,10 @@ class Solution(Result):
         return 0 if self.feasible else 1
 
 
-Function = Callable[[Array], Array | None]  # (n,) on [0, 1] -> (m,), None where there is no value
-PROBE = 0.04  # of a range: the step of the first slopes
-TRUST, SMALLEST = 0.5, 1e-4  # of a range: how far a step goes at first, and where it is given up
-STILL = 0.01  # of a range: a better place this near is not worth an evaluation
-STARTS = 8  # places that are tried where the start has no values
-
-
-@dataclass
-class Walk:
-    """What was evaluated, `(n,)` and `(m,)` or None, and the best of it within tolerance, None if none is."""
-
-    seen: list[tuple[Array, Array | None]] = field(default_factory=list)
-    best: Array | None = None
-    closest: Array | None = None
-
-
-def least_change(function: Function, start: Array, wanted: Array, tol: Array, most: int) -> Walk:
-    """Return the place on the unit cube nearest to `start` `(n,)` with `function` within `tol` `(m,)` of
-    `wanted` `(m,)`, as far as `most` evaluations tell."""
-    path = Walk()
-
-    def ask(at: Array) -> Array | None:
-        for place, values in path.seen:
-            if np.array_equal(place, at):
-                return values
-        if len(path.seen) >= most:
-            return None
-        path.seen.append((at, function(at)))
-        return path.seen[-1][1]
-
-    at, reached = _first(ask, start)
-    if reached is None:
-        return path
-    scale = tol
-    slopes = _slopes(ask, at, reached)
-    trust, evaluated = TRUST, -1
-    while len(path.seen) < most and trust > SMALLEST and len(path.seen) != evaluated:
-        evaluated = len(path.seen)
-        good = bool(np.all(np.abs(reached - wanted) <= tol))
-        candidate = _nearest(start, at, reached - wanted, slopes, trust, scale)
-        if good and np.linalg.norm(candidate - at) < STILL:
-            break
-        new = ask(candidate)
-        if new is None:
-            trust /= 4
-            continue
-        step = candidate - at
-        slopes = slopes + np.outer(new - reached - slopes @ step, step) / (float(step @ step) or 1.0)
-        if _merit(new, wanted, scale) < max(_merit(reached, wanted, scale), 1.0) and not (
-            good and np.linalg.norm(candidate - start) > np.linalg.norm(at - start)
-        ):
-            at, reached = candidate, new
-            trust = min(2 * trust, 1.0)
-        else:
-            trust = min(trust, float(np.abs(step).max())) / 3
-    known = [(place, known_values) for place, known_values in path.seen if known_values is not None]
-    path.closest = min(known, key=lambda one: _merit(one[1], wanted, scale))[0]
-    within = [place for place, known_values in known if np.all(np.abs(known_values - wanted) <= tol)]
-    path.best = min(within, key=lambda place: float(np.linalg.norm(place - start)), default=None)
-    return path
-
-
-def _merit(values: Array, wanted: Array, scale: Array) -> float:
-    """How far off, in tolerances."""
-    return float(np.abs((values - wanted) / scale).max())
-
-
-def _first(ask: Function, start: Array) -> tuple[Array, Array | None]:
-    """The start, or the nearest of some places that has values."""
-    if (values := ask(start)) is not None:
-        return start, values
-    from scipy.stats import qmc  # half a second, which most commands need not wait for
-
-    places = qmc.Sobol(len(start), scramble=False).random(STARTS)
-    for place in sorted(places, key=lambda each: float(np.linalg.norm(each - start))):
-        if (values := ask(place)) is not None:
-            return place, values
-    return start, None
-
-
-def _slopes(ask: Function, at: Array, values: Array) -> Array:
-    """Slopes `(m, n)` by a step in each number, away from the nearer end; 0 where there is no value."""
-    slopes = np.zeros((len(values), len(at)))
-    for i in range(len(at)):
-        for sign in (1.0, -1.0) if at[i] < 0.5 else (-1.0, 1.0):
-            step = at.copy()
-            step[i] += sign * PROBE
-            if 0 <= step[i] <= 1 and (there := ask(step)) is not None:
-                slopes[:, i] = (there - values) / (sign * PROBE)
-                break
-    return slopes
-
-
-def _nearest(start: Array, at: Array, off: Array, slopes: Array, trust: float, scale: Array) -> Array:
-    """Return the place nearest to the start that gives the wanted values if slopes are right; where none in
-    reach does, the one that comes nearest to them."""
-    low, high = np.maximum(0.0, at - trust), np.minimum(1.0, at + trust)
-    scaled = slopes / scale[:, None]
-
-    def clipped(place: Array) -> Array:
-        inside: Array = np.clip(place, low, high)
-        return inside
-
-    reach = lsq_linear(scaled, -off / scale, (low - at - 1e-12, high - at + 1e-12))
-    if np.abs(scaled @ reach.x + off / scale).max() > 1.0:
-        return clipped(at + reach.x)
-    minimum = minimize(
-        lambda place: float((place - start) @ (place - start)),
-        clipped(at + reach.x),
-        jac=lambda place: 2 * (place - start),
-        bounds=list(zip(low, high, strict=True)),
-        constraints={
-            "type": "eq",
-            "fun": lambda place: scaled @ (place - at) + off / scale,
-            "jac": lambda _: scaled,
-        },
-        method="SLSQP",
-    )
-    return clipped(minimum.x)
-
-
 TOL = 5e-3  # of the wanted value; what a mesh's error is by default
 ONE, SEVERAL = 40, 100  # evaluations at most, of one number and of several
 CHEAP = 200  # evaluations of one number at most, where they take milliseconds
-FINE = 1 / 32  # of the range: how far cuts places may be before there is no value, where they are cheap
+FINE = STEP / 8  # of the range: how far apart places may be where they are cheap, or none has a value
 MOST_CHOICES = 256  # combinations of choices, each solved by itself
 # the first that takes the design: one for all its evaluations
 MODELS = "corrected", "linear", "winkler", "reduced"
@@ -310,11 +172,14 @@ def solve(
     that can't be used.
     """
     began = perf_counter()
+    require_number("tol", tol, lambda value: 0 < value < 1, "must be between 0 and 1 (relative)", "try 0.005")
+    if evaluations is not None:
+        require_number("evaluations", evaluations, lambda value: value >= 1, "must be at least 1")
     wished, bounds = _wished(target)
-    varied = _varied(subject, wished, bounds, vary, tol, evaluations)
+    varied = knobs(subject, vary)
     stepped = [knob for knob in varied if knob.choices or knob.whole]
-    smooth = tuple(knob for knob in varied if knob not in stepped)
-    lists = [knob.values() for knob in stepped]
+    smooth = [knob for knob in varied if knob not in stepped]
+    _require_solvable(varied, len(wished) - len(bounds), len(smooth))
     question = question_of(subject, model=model, force=force)
     if isinstance(subject, Design) and model in (None, "auto"):
         question = replace(question, model=first_able(MODELS, subject))
@@ -322,130 +187,84 @@ def solve(
     if evaluator.guided:
         try:
             evaluator.guide({})
-        except (
-            InputError
-        ):  # a more expensive model's result may have more numbers: its first answer names them
+        except InputError:  # a better model's result may have more numbers: its first answer names them
             evaluator.unlike = True
     notes: list[str] = []
-    step = FINE if question.kind == "circuit" or question.model == GUIDE else STEP
-    most = evaluations or (SEVERAL if len(smooth) > 1 else CHEAP if step == FINE else ONE)
-    solved: list[SolutionPoint] = []
+    points: list[SolutionPoint] = []
     complete = True
-    for combination in itertools.product(*lists):
+    for combination in itertools.product(*(knob.values() for knob in stepped)):
         fixed = {knob.key: value for knob, value in zip(stepped, combination, strict=True)}
-        if not smooth:
-            solved += _chosen(evaluator, fixed, tol)
-        elif len(smooth) == 1 == len(wished):
-            roots, whole = _crossings(evaluator, fixed, smooth[0], tol, most, notes, step)
-            solved, complete = solved + roots, complete and whole
+        if len(smooth) == 1 == len(wished):
+            more, whole, notes_of_search = _crossings(evaluator, fixed, smooth[0], tol, evaluations)
+        elif smooth:
+            more, notes_of_search = _least_changed(evaluator, fixed, smooth, tol, evaluations or SEVERAL)
+            whole = False  # it walks from the start, and looks at no more than its way
         else:
-            solved += _least_changed(evaluator, fixed, smooth, tol, most, notes)
-            complete = False  # it walks from the start, and looks at no more than its way
-    return _told(evaluator, varied, solved, complete, notes, perf_counter() - began)
+            more, whole, notes_of_search = _chosen(evaluator, fixed, tol), True, []
+        points, complete, notes = points + more, complete and whole, notes + notes_of_search
+    asked = tuple(evaluator.evaluations.values())
+    refused = [evaluation.refused for evaluation in asked if evaluation.refused]
+    if len(refused) == len(asked):
+        notes.append(f"every value is refused, the first since {refused[0]}")
+    for key in [] if refused else evaluator.target:
+        if all(evaluation.results[key].value is None for evaluation in asked):
+            notes.append(f"the result has no {key} at any value that was tried")
+    notes += [_uncast(subject, *entry) for point in points for entry in point.values.items()]
+
+    def order(point: SolutionPoint) -> tuple[float, float]:
+        """The least change first; of choices the one that comes nearest, of those that keep a limit too."""
+        off = 0.0 if smooth else evaluator.off(evaluator.ask(dict(point.values)))
+        return off, _change(varied, point.values)
+
+    closest = min(asked, key=evaluator.off)
+    return Solution(
+        subject=subject,
+        question=question,
+        target=evaluator.target or wished,
+        bounds=evaluator.bounds or None,
+        knobs=varied,
+        solutions=tuple(sorted(points, key=order)),
+        closest=None if points or evaluator.off(closest) == math.inf else _point(evaluator, closest),
+        evaluations=asked,
+        notes=tuple(note for note in dict.fromkeys(notes) if note),
+        seconds=perf_counter() - began,
+        complete=complete,
+    )
 
 
 def _wished(target: Mapping[str, float | str]) -> tuple[dict[str, float], dict[str, str]]:
-    """What is wanted, and which of it are limits; raises InputError for a text that is neither."""
+    """What is wanted, and which of it are limits; raises InputError for what is neither."""
+    if not target:
+        raise InputError("target", "names no number", remedy="as in all_touch_force=3")
     wished, bounds = dict[str, float](), dict[str, str]()
     for key, wanted in target.items():
-        if isinstance(wanted, str):
-            side, number = BOUND.fullmatch(wanted).groups()  # type: ignore[union-attr]  # it matches any text
-            try:
-                wished[key] = float(number)
-            except ValueError:
-                rule = "must be a number, or a limit as <=0.25"
-                raise InputError(f"target {key}", rule, wanted) from None
-            bounds |= {key: side} if side else {}
-        else:
-            wished[key] = wanted
+        side, number = BOUND.fullmatch(str(wanted)).groups()  # type: ignore[union-attr]  # it matches any text
+        try:
+            wished[key] = float(number)
+        except ValueError:
+            rule = "must be a number, or a limit as <=0.25"
+            raise InputError(f"target {key}", rule, wanted) from None
+        require_number(f"target {key}", wished[key], lambda _: True, "must be finite")
+        if side:
+            bounds[key] = side
     return wished, bounds
 
 
-def _varied(
-    subject: Subject,
-    target: Mapping[str, float],
-    bounds: Mapping[str, str],
-    vary: Mapping[str, RangeText],
-    tol: float,
-    evaluations: int | None,
-) -> tuple[DesignVariable, ...]:
-    """The knobs of what is asked; raises InputError for what can't be."""
-    require_number("tol", tol, lambda value: 0 < value < 1, "must be between 0 and 1 (relative)", "try 0.005")
-    if evaluations is not None:
-        require_number("evaluations", evaluations, lambda value: value >= 1, "must be at least 1")
-    if not target:
-        raise InputError("target", "names no number", remedy="as in all_touch_force=3")
-    for key, wanted in target.items():
-        require_number(f"target {key}", wanted, lambda _: True, "must be finite")
-    varied = knobs(subject, vary)
-    stepped = [knob for knob in varied if knob.choices or knob.whole]
-    smooth = len(varied) - len(stepped)
-    if smooth and (exact := len(target) - len(bounds)) > smooth:
+def _require_solvable(varied: Sequence[DesignVariable], exact: int, smooth: int) -> None:
+    """Raise InputError for more `exact` numbers than `smooth` keys, or for too few or too many choices."""
+    if smooth and exact > smooth:
         rule = f"must name at most as many numbers as keys are varied ({smooth})"
         remedy = "vary another key, drop a target, or make one a limit as KEY<=VALUE"
         raise InputError("target", rule, exact, remedy)
     if len(varied) == 1 and len(varied[0].choices) == 1:
         rule, remedy = "names one value", "write LOW:HIGH, or several choices"
         raise InputError(varied[0].key, rule, varied[0].choices[0], remedy)
-    if math.prod(len(knob.values()) for knob in stepped) > MOST_CHOICES:
+    if math.prod(len(knob.values()) for knob in varied if knob.choices or knob.whole) > MOST_CHOICES:
         rule = f"must have at most {MOST_CHOICES} combinations of choices"
         raise InputError("vary", rule, remedy="vary less")
-    return varied
 
 
-def _told(
-    evaluator: Evaluator,
-    varied: tuple[DesignVariable, ...],
-    solved: list[SolutionPoint],
-    complete: bool,
-    notes: list[str],
-    seconds: float,
-) -> Solution:
-    evaluations = tuple(evaluator.evaluations.values())
-    refused = [evaluation.refused for evaluation in evaluations if evaluation.refused]
-    if refused and len(refused) == len(evaluations):
-        notes = [*notes, f"every value is refused, the first since {refused[0]}"]
-    for key in evaluator.target:
-        if (
-            not refused
-            and evaluations
-            and all(evaluation.results[key].value is None for evaluation in evaluations)
-        ):
-            notes = [*notes, f"the result has no {key} at any value that was tried"]
-    for evaluation in solved:
-        notes = [
-            *notes,
-            *filter(None, (_uncast(evaluator.subject, *item) for item in evaluation.values.items())),
-        ]
-    closest = min(evaluations, key=evaluator.off, default=None)
-    near = None
-    if closest is not None and not solved and evaluator.off(closest) < math.inf:
-        near = _solved(evaluator, closest, {})
-    return Solution(
-        subject=evaluator.subject,
-        question=evaluator.question,
-        target=evaluator.target or dict(evaluator.wished),
-        bounds=evaluator.bounds or None,
-        knobs=varied,
-        solutions=tuple(sorted(solved, key=lambda evaluation: _order(evaluator, varied, evaluation))),
-        closest=near,
-        evaluations=evaluations,
-        notes=tuple(dict.fromkeys(notes)),
-        seconds=seconds,
-        complete=complete,
-    )
-
-
-def _order(
-    evaluator: Evaluator, varied: tuple[DesignVariable, ...], solved: SolutionPoint
-) -> tuple[float, float]:
-    """The least change first; of choices alone the one that comes nearest, of those that keep a limit too."""
-    alone = all(knob.choices or knob.whole for knob in varied)
-    off = evaluator.off(evaluator.ask(dict(solved.values))) if alone else 0.0
-    return off, _change(varied, solved.values)
-
-
-def _change(varied: tuple[DesignVariable, ...], values: Mapping[str, Value]) -> float:
+def _change(varied: Sequence[DesignVariable], values: Mapping[str, Value]) -> float:
     """How far values are from the start's, in parts of their ranges; another choice is one whole range."""
     total = 0.0
     for knob in varied:
@@ -457,141 +276,112 @@ def _change(varied: tuple[DesignVariable, ...], values: Mapping[str, Value]) -> 
     return math.sqrt(total)
 
 
-def _solved(
-    evaluator: Evaluator, evaluation: Evaluation, interval: Mapping[str, tuple[float, float]]
+def _point(
+    evaluator: Evaluator, evaluation: Evaluation, interval: Mapping[str, tuple[float, float]] | None = None
 ) -> SolutionPoint:
-    values = evaluation.values
+    """What an evaluation reached."""
+    values = dict(evaluation.values)
     near = {key: nearest_silicone(evaluator.subject, key, value) for key, value in values.items()}
     named = {key.replace("young_modulus", "name"): name for key, name in near.items() if name}
     named |= {key: value for key, value in values.items() if isinstance(value, str)}
     reached = {key: evaluation.results[key] for key in evaluator.target}
     return SolutionPoint(
-        values=dict(values), reached=reached, interval=interval, nearest=named, passed=evaluation.passed
+        values=values, reached=reached, interval=interval or {}, nearest=named, passed=evaluation.passed
     )
 
 
 def _uncast(subject: Subject, key: str, value: Value) -> str:
     """Return that no silicone of the catalogue is as soft or as stiff as a modulus, "" where one is."""
-    if (nearest := nearest_silicone(subject, key, value)) is None or isinstance(value, str):
+    nearest = nearest_silicone(subject, key, value)
+    if nearest is None or isinstance(value, str):
         return ""
     known = silicones(getattr(owner(subject, key)[0], "silicones", None))
-    moduli = [material.young_modulus for material in known.values()]
-    if value < min(modulus.low for modulus in moduli):
-        which, most = "soft", "softest"
-    elif value > max(modulus.high for modulus in moduli):
-        which, most = "stiff", "stiffest"
-    else:
-        return ""
-    end = known[nearest].young_modulus
-    return (
-        f"no silicone is as {which} as {key} {short(value)} MPa: the {most} is {nearest} with "
-        f"{end.low:g} to {end.high:g} MPa"
-    )
+    moduli, end = [row.young_modulus for row in known.values()], known[nearest].young_modulus
+    softer, stiffer = value < min(m.low for m in moduli), value > max(m.high for m in moduli)
+    which, most = ("soft", "softest") if softer else ("stiff", "stiffest")
+    words = f"no silicone is as {which} as {key} {short(value)} MPa: the {most} is {nearest} with "
+    return f"{words}{end.low:g} to {end.high:g} MPa" if softer or stiffer else ""
 
 
-def _chosen(evaluator: Evaluator, fixed: Values, tol: float) -> Iterator[SolutionPoint]:
-    """What choices alone give: a solution where the wish lies within the result's error."""
+def _chosen(evaluator: Evaluator, fixed: Values, tol: float) -> list[SolutionPoint]:
+    """What choices alone give: a solution where the wish lies within the tolerance or the result's error."""
     evaluation = evaluator.ask(fixed)
     missed = evaluator.missed(evaluation)
-    if missed is not None and all(
-        abs(d) <= max(tol * abs(y), slack(evaluation.results[key]))
-        for d, (key, y) in zip(missed, evaluator.target.items(), strict=True)
-    ):
-        yield _solved(evaluator, evaluation, {})
-
-
-def crossings(
-    evaluator: Evaluator, fixed: Values, knob: DesignVariable, tol: float, most: int, notes: list[str]
-) -> Iterator[SolutionPoint]:
-    """Yield the solutions for one number that few evaluations tell of; notes on the search go to `notes`."""
-    yield from _crossings(evaluator, fixed, knob, tol, most, notes, None)[0]
+    if missed is None:
+        return []
+    off = zip(missed, evaluator.target.items(), strict=True)
+    met = all(abs(d) <= max(tol * abs(y), slack(evaluation.results[key])) for d, (key, y) in off)
+    return [_point(evaluator, evaluation)] if met else []
 
 
 def _crossings(
-    evaluator: Evaluator,
-    fixed: Values,
-    knob: DesignVariable,
-    tol: float,
-    most: int,
-    notes: list[str],
-    step: float | None,
-) -> tuple[list[SolutionPoint], bool]:
-    """The solutions for one number, and whether the range has no others."""
+    evaluator: Evaluator, fixed: Values, knob: DesignVariable, tol: float, evaluations: int | None
+) -> tuple[list[SolutionPoint], bool, list[str]]:
+    """The solutions for one number, whether the range has no others, and notes on the search."""
 
     def values(share: float) -> Values:
         return {**fixed, knob.key: knob.at(share)}
 
-    def first(values_at: Callable[[Values], list[float] | None]) -> Callable[[float], float | None]:
-        def function(share: float) -> float | None:
-            reached = values_at(values(share))
-            return None if reached is None else reached[0]
+    def only(reached: list[float] | None) -> float | None:
+        return reached[0] if reached else None
 
-        return function
-
-    function, guide = first(lambda each: evaluator.told(evaluator.ask(each))), first(evaluator.guide)
-    if evaluator.bounds and evaluator.off(evaluation := evaluator.ask(values(_start(knob)))) == 0:
-        return [_solved(evaluator, evaluation, {})], False
+    start = _start(knob)
+    if evaluator.bounds and evaluator.off(evaluation := evaluator.ask(values(start))) == 0:
+        return [_point(evaluator, evaluation)], False, []
     (wanted,) = evaluator.wished.values()
-    allowed = tol * (abs(wanted) or 1.0)
+    cheap = evaluator.question.kind == "circuit" or evaluator.question.model == GUIDE
+    most = evaluations or (CHEAP if cheap else ONE)
     zeros = search(
-        function,
+        lambda share: only(evaluator.told(evaluator.ask(values(share)))),
         wanted,
-        allowed,
+        tol * (abs(wanted) or 1.0),
         most,
-        guide if evaluator.guided else None,
-        _start(knob),
-        step=step,
+        (lambda share: only(evaluator.guide(values(share)))) if evaluator.guided else None,
+        start,
+        step=FINE if cheap else STEP,
+        nowhere=STEP / 2 if evaluator.guided else FINE,
         cuts=[end for end, value in ((0.0, knob.low), (1.0, knob.high)) if value == 0],
     )
+    notes = [f"at {knob.key} {short(knob.at(x))} the result jumps past what is wanted" for x in zeros.jumps]
     if not zeros.exact:
-        notes.append(f"the search ended after {most} evaluations and may have missed some: --evaluations")
-    notes += [f"at {knob.key} {short(knob.at(x))} the result jumps past what is wanted" for x in zeros.jumps]
-    roots = []
+        words = f"the search ended after {most} evaluations and may have missed some: --evaluations"
+        notes.insert(0, words)
+    points = []
     for share in zeros.roots:
-        answer = evaluator.ask(values(share))
-        roots.append(_solved(evaluator, answer, _interval(evaluator, knob, share, zeros, answer)))
-    if evaluator.bounds and not roots:  # it is kept beyond a jump, or beyond what is refused
+        evaluation = evaluator.ask(values(share))
+        error = next(evaluation.results[key].error for key in evaluator.target)
+        interval = {}
+        if error is not None:
+            low, high = zeros.within(share, error)
+            interval[knob.key] = float(knob.at(low)), float(knob.at(high))
+        points.append(_point(evaluator, evaluation, interval))
+    if evaluator.bounds and not points:  # it is kept beyond a jump, or beyond what is refused
         of_these = [e for e in evaluator.evaluations.values() if fixed.items() <= e.values.items()]
-        kept = [_solved(evaluator, e, {}) for e in of_these if evaluator.off(e) == 0]
-        roots = sorted(kept, key=lambda solved: _change((knob,), solved.values))[:1]
-    return roots, zeros.complete and not evaluator.bounds
-
-
-def _interval(
-    evaluator: Evaluator, knob: DesignVariable, share: float, roots: Search, answer: Evaluation
-) -> dict[str, tuple[float, float]]:
-    """Which values the result's error leaves open, cut at the range's ends."""
-    error = answer.results[next(iter(evaluator.target))].error
-    if error is None:
-        return {}
-    low, high = roots.within(share, error)
-    return {knob.key: (float(knob.at(low)), float(knob.at(high)))}
+        kept = [_point(evaluator, e) for e in of_these if evaluator.off(e) == 0]
+        points = sorted(kept, key=lambda point: _change([knob], point.values))[:1]
+    return points, zeros.complete and not evaluator.bounds, notes
 
 
 def _least_changed(
-    evaluator: Evaluator,
-    fixed: Values,
-    smooth: tuple[DesignVariable, ...],
-    tol: float,
-    most: int,
-    notes: list[str],
-) -> Iterator[SolutionPoint]:
-    """The least change of several numbers."""
+    evaluator: Evaluator, fixed: Values, smooth: list[DesignVariable], tol: float, most: int
+) -> tuple[list[SolutionPoint], list[str]]:
+    """The least change of several numbers, and a note where the evaluations were used up."""
     wanted = np.array(list(evaluator.wished.values()), dtype=float)
 
     def values(place: Array) -> Values:
-        return {**fixed, **{knob.key: knob.at(float(x)) for knob, x in zip(smooth, place, strict=True)}}
+        return {**fixed, **{knob.key: knob.at(x) for knob, x in zip(smooth, place.tolist(), strict=True)}}
 
     def function(place: Array) -> Array | None:
         missed = evaluator.missed(evaluator.ask(values(place)))
         return None if missed is None else scaled(wanted + missed, wanted)
 
     tols = np.where(wanted > 0, tol, tol * np.where(wanted == 0, 1.0, np.abs(wanted)))
-    path = least_change(function, np.array([_start(k) for k in smooth]), scaled(wanted, wanted), tols, most)
-    if path.best is not None:
-        yield _solved(evaluator, evaluator.ask(values(path.best)), {})
-    elif len(path.seen) >= most:
-        notes.append(f"the search ended after {most} evaluations: --evaluations allows more")
+    start = np.array([_start(knob) for knob in smooth])
+    place, seen = least_change(function, start, scaled(wanted, wanted), tols, most)
+    if place is not None:
+        return [_point(evaluator, evaluator.ask(values(place)))], []
+    used_up = f"the search ended after {most} evaluations: --evaluations allows more"
+    return [], [used_up] if len(seen) >= most else []
 
 
 def _start(knob: DesignVariable) -> float:
