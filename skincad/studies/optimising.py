@@ -21,11 +21,11 @@ from skincad.base.estimate import Estimate
 from skincad.base.progress import Tick
 from skincad.inputs.design import Design
 from skincad.scenes.scene import Scene
-from skincad.studies.optimisers import Archive, Optimiser, Outcome, levels, minimise
+from skincad.studies.optimisers import Optimiser, OptunaSearch, Outcome, levels, minimise, pareto_front
 from skincad.studies.query import GUIDE, Evaluation, Kind, Query, first_able, question_of, resolved, worded
 from skincad.studies.running import Log, Run, Values, Workers
 from skincad.studies.running import workers as working
-from skincad.studies.searches import Surrogate, combinations, search
+from skincad.studies.searches import combinations, search
 from skincad.studies.study import Member, Model, Optimisation, Results, RobustObjective, Study
 from skincad.studies.subject import SKIN, DesignVariable, Subject, Value, knobs
 from skincad.studies.sweeping import RANKED_BY, SweepResult, log_in, ranking
@@ -162,7 +162,7 @@ class _Hunt:
             return place, members
         for _ in range(MAPPED):
             evaluations = self._minimised("guide", self._search(place, COARSE), COARSE, Workers())
-            best = evaluations.front[0]
+            best = pareto_front(evaluations)[0]
             if not best.there or (members and float(np.abs(best.place - place).max()) < SAME):
                 break
             place, member = best.place, self.judged(self.values(best.place), who)
@@ -193,7 +193,7 @@ class _Hunt:
         self._minimised("search", self.asking, most - len(self.known["search"]), who)
         if count is not None and len(self.known["search"]) < min(most, count):
             objectives, known = len(self.study.objectives), self._evaluations()
-            self.asking = Surrogate(self.knobs, objectives, budget, self.study.seed, start, known)
+            self.asking = OptunaSearch("tpe", self.knobs, objectives, self.study.seed, start, budget, known)
             self._minimised("search", self.asking, most - len(self.known["search"]), who)
         return self._front()
 
@@ -205,7 +205,7 @@ class _Hunt:
         return f"best {worded(objective.key, self.best * (1 if objective.goal == 'min' else -1))}"
 
     def _front(self) -> list[Outcome]:
-        return Archive(self._evaluations()).front
+        return pareto_front(self._evaluations())
 
     def _evaluations(self) -> list[Outcome]:
         return [
@@ -268,7 +268,7 @@ class _Hunt:
         seed = study.seed + len(known)
         return search(study.optimiser, self.knobs, len(study.objectives), budget, seed, start, known)
 
-    def _minimised(self, model: Model, optimiser: Optimiser, most: int, who: Workers) -> Archive:
+    def _minimised(self, model: Model, optimiser: Optimiser, most: int, who: Workers) -> list[Outcome]:
         known = self.known[model]
 
         def design(place: Array) -> tuple[Value, ...]:
