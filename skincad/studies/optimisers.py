@@ -214,15 +214,11 @@ class OptunaSearch:
     def ask(self) -> list[Array]:
         """Return the next places."""
         self._trials = [self._trial() for _ in range(self._batch)]
-        return [
-            np.array(
-                [
-                    (steps[x] + 0.5) / len(steps) if steps else x
-                    for steps, x in zip(self._steps, row, strict=True)
-                ]
-            )
-            for row in map(self._row, self._trials)
-        ]
+        return [self._place(self._row(trial)) for trial in self._trials]
+
+    def _place(self, row: tuple[float, ...]) -> Array:
+        columns = zip(self._steps, row, strict=True)
+        return np.array([(steps[int(x)] + 0.5) / len(steps) if steps else x for steps, x in columns])
 
     def _trial(self) -> Any:
         """The next design that was not asked, or after REPEATS of the sampler's own a random one."""

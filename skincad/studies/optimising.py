@@ -23,12 +23,12 @@ from skincad.inputs.design import Design
 from skincad.scenes.scene import Scene
 from skincad.studies.optimisers import Optimiser, OptunaSearch, Outcome, levels, minimise, pareto_front
 from skincad.studies.query import GUIDE, Evaluation, Kind, Query, first_able, question_of, resolved, worded
-from skincad.studies.running import Log, Run, Values, Workers
+from skincad.studies.running import Log, Run, Values, Workers, log_in
 from skincad.studies.running import workers as working
 from skincad.studies.searches import combinations, search
 from skincad.studies.study import Member, Model, Optimisation, Results, RobustObjective, Study
 from skincad.studies.subject import SKIN, DesignVariable, Subject, Value, knobs
-from skincad.studies.sweeping import RANKED_BY, SweepResult, log_in, ranking
+from skincad.studies.sweeping import RANKED_BY, SweepResult, ranking
 
 MAPPED, ROUNDS = 5, 3  # searches of the closed form, and parts of the model's, each judged at its end
 COARSE = 600  # evaluations of the closed form in a search
@@ -68,8 +68,7 @@ def optimise(
             there = [member for member in judged if member is not None]
             members += [other for other in there if other.values not in [m.values for m in members]]
             hunt.correct(next(iter(there), None), who)  # also where the judge says that a limit is broken
-    if log is not None:
-        log.close()
+    log.close()
     allowed = [other for other in hunt.weighing.ordered(members) if other.allowed]
     best_members = tuple(hunt.weighing.pareto_front(allowed))
     closest = None if best_members else next(iter(hunt.weighing.ordered(members)), None)
@@ -126,7 +125,7 @@ class _Hunt:
     subject: Subject
     question: Query
     knobs: tuple[DesignVariable, ...]
-    log: Log | None
+    log: Log
     tick: Tick | None
     weighing: RobustObjective
     runs: dict[Query, Run] = field(default_factory=dict)
@@ -324,7 +323,7 @@ class _Hunt:
         if question not in self.runs:
             same_kind = question.kind == self.question.kind or not isinstance(self.subject, Scene)
             subject = self.subject if same_kind else self.subject.design  # type: ignore[union-attr]
-            self.runs[question] = Run(subject, question, None if self.is_guide(question) else self.log)
+            self.runs[question] = Run(subject, question, Log() if self.is_guide(question) else self.log)
         return self.runs[question]
 
     def is_guide(self, question: Query) -> bool:

@@ -23,7 +23,7 @@ from skincad.inputs.design import Design
 from skincad.mechanics.models.table import MODELS, unsupported_reason, whole_price
 from skincad.mechanics.verdict import NextModel
 from skincad.studies.query import Evaluation, Query, first_able, question_of, resolved, worded
-from skincad.studies.running import Log, Run, Values
+from skincad.studies.running import Run, Values, log_in
 from skincad.studies.running import workers as working
 from skincad.studies.subject import DesignVariable, RangeText, Subject, Value, knobs
 
@@ -313,8 +313,7 @@ def sweep(
 
     with working(workers, dask) as who:
         rows = run.at(points, who, told)
-    if run.log is not None:
-        run.log.close()
+    run.log.close()
     there = {key for row in rows for key in named(row.results)}
     wanted = {key: goal for key, goal in wanted.items() if asked or key in there}
     rankings = tuple(ranking(rows, key, goal) for key, goal in wanted.items())
@@ -352,16 +351,6 @@ def _best(rows: Sequence[Evaluation], wanted: Mapping[str, Goal]) -> str:
         if values:
             return f"best {worded(known[0], min(values) if goal == 'min' else max(values))}"
     return "evaluating"
-
-
-def log_in(folder: Path | str | None, *, fresh: bool) -> Log | None:
-    """Return the log of a study's folder, to be gone on with, or with `fresh` from its end; None without."""
-    if folder is None:
-        return None
-    log = Log(Path(folder))
-    if fresh:
-        log.skip()
-    return log
 
 
 def points_of(subject: Subject, vary: Mapping[str, RangeText], sample: int | None = None) -> list[Values]:
