@@ -27,7 +27,6 @@ SEVERAL: tuple[OptimiserName, ...] = "nsga2", "sobol"  # those that take several
 # of the cube: CMA's first standard deviation, from the middle and from a known start
 SPREAD, NEAR = 0.3, 0.12
 POPULATION, TPE_BATCH, SOBOL_BATCH = 40, 4, 16  # places at once
-REPEATS = 3  # of a design that was asked, after which TPE or NSGA-II is given a random one
 WORST = 1e30  # the loss and the broken limit of a place without a result
 MAX_IDLE = 500  # places without a new design between them, after which a search ends
 MUTATED = 0.1  # of the cube: the standard deviation of the places that NSGA-II begins with around a start
@@ -142,7 +141,7 @@ class OptunaSearch:
     """A sampler of Optuna, `tpe` or `nsga2`: a limit that is broken comes before all losses.
 
     TPE (Bergstra and others 2011) is for choices and whole numbers, with numbers or without, NSGA-II (Deb
-    2002) for several losses. No design is asked twice. TPE goes on from `known`, earlier evaluations.
+    2002) for several losses. TPE asks no design twice, and goes on from `known`, earlier evaluations.
     """
 
     sampler: Literal["tpe", "nsga2"]
@@ -221,18 +220,15 @@ class OptunaSearch:
         return np.array([(steps[int(x)] + 0.5) / len(steps) if steps else x for steps, x in columns])
 
     def _trial(self) -> Any:
-        """The next design that was not asked, or after REPEATS of the sampler's own a random one."""
-        for repeats in range(REPEATS + 2):
-            trial = self._study.ask(self._space)
-            row = self._row(trial)
-            if row not in self._asked or repeats > REPEATS:
-                break
+        """The sampler's next design, of TPE a random one in the place of one that was asked."""
+        trial = self._study.ask(self._space)
+        if self.sampler == "tpe" and self._row(trial) in self._asked:
             self._study.tell(trial, state=self._optuna.trial.TrialState.FAIL)
-            if repeats == REPEATS:
-                rows = (self._parameters(self._random.random(len(self.knobs))) for _ in range(MAX_IDLE))
-                new = (row for row in rows if tuple(row.values()) not in self._asked)
-                self._study.enqueue_trial(next(new, trial.params))
-        self._asked.add(row)
+            rows = (self._parameters(self._random.random(len(self.knobs))) for _ in range(MAX_IDLE))
+            new = (row for row in rows if tuple(row.values()) not in self._asked)
+            self._study.enqueue_trial(next(new, trial.params))
+            trial = self._study.ask(self._space)
+        self._asked.add(self._row(trial))
         return trial
 
     def _row(self, trial: Any) -> tuple[float, ...]:

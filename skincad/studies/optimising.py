@@ -7,7 +7,7 @@ time, is searched and judged first, MAPPED times; then the model that searches, 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
@@ -16,13 +16,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Tick
 from skincad.inputs.design import Design
 from skincad.scenes.scene import Scene
 from skincad.studies.optimisers import Optimiser, OptunaSearch, Outcome, levels, minimise, pareto_front
-from skincad.studies.query import GUIDE, Evaluation, Kind, Query, first_able, question_of, resolved, worded
+from skincad.studies.query import GUIDE, Evaluation, Kind, Query, first_able, meant, question_of, worded
 from skincad.studies.running import Log, Run, Values, Workers, log_in
 from skincad.studies.running import workers as working
 from skincad.studies.searches import combinations, search
@@ -69,26 +68,22 @@ def optimise(
             members += [other for other in there if other.values not in [m.values for m in members]]
             hunt.correct(next(iter(there), None), who)  # also where the judge says that a limit is broken
     log.close()
-    allowed = [other for other in hunt.weighing.ordered(members) if other.allowed]
-    best_members = tuple(hunt.weighing.pareto_front(allowed))
-    closest = None if best_members else next(iter(hunt.weighing.ordered(members)), None)
-    rows, count = hunt.rows(), combinations(varied)
-    untried = None if count is None else count - len(hunt.known["search"])
+    ordered = hunt.weighing.ordered(members)
+    best_members = tuple(hunt.weighing.pareto_front([member for member in ordered if member.allowed]))
+    count = combinations(varied)
     asked = [run for question, run in hunt.runs.items() if not hunt.is_guide(question)]
-    evaluated, reused = sum(run.evaluated for run in asked), sum(run.reused for run in asked)
-    seconds = perf_counter() - began
     return Optimisation(
         study=study,
         subject=subject,
         front=best_members,
-        closest=closest,
+        closest=None if best_members else next(iter(ordered), None),
         start=start,
-        rows=rows,
+        rows=hunt.rows(),
         judged=len(members),
-        untried=untried,
-        evaluations=evaluated,
-        reused=reused,
-        seconds=seconds,
+        untried=None if count is None else count - len(hunt.known["search"]),
+        evaluations=sum(run.evaluated for run in asked),
+        reused=sum(run.reused for run in asked),
+        seconds=perf_counter() - began,
     )
 
 
@@ -144,12 +139,11 @@ class _Hunt:
         """Return a place of the unit cube with these values."""
         places = []
         for knob in self.knobs:
-            value, count = values.get(knob.key, knob.start), levels(knob)
-            if value is None:
+            value, names = values.get(knob.key, knob.start), list(knob.values()) if levels(knob) else []
+            if value in names:
+                places.append((names.index(value) + 0.5) / len(names))
+            elif names or value is None:
                 places.append(0.5)
-            elif count:
-                names = list(knob.values())
-                places.append((names.index(value) + 0.5) / count if value in names else 0.5)
             else:
                 places.append(knob.share(min(max(float(value), knob.low), knob.high)))
         return np.array(places)
@@ -238,18 +232,16 @@ class _Hunt:
 
     def rows(self) -> SweepResult:
         """Return what the searching model was asked, as the rows of a sweep."""
-        aims = self.study.aims
-        unique = {
-            known.answer.key: replace(
-                known.answer,
-                results={**known.answer.results, **_aimed_at(aims, known.results or {}, known.answer)},
-            )
-            for known in self.known["search"].values()
-        }
+        unique = dict[str, Evaluation]()
+        for _, answer, results in self.known["search"].values():
+            own = {**answer.results, **answer.values}
+            beside = {key: estimate for key, estimate in (results or {}).items() if key not in own}
+            aims = {key: beside[key] for aim in self.study.aims if (key := meant(aim, beside))}
+            unique[answer.key] = replace(answer, results={**answer.results, **aims})
         rows = tuple(unique.values())
         known = {key for row in rows for key in row.results}
-        wanted = [(objective, _known(objective.key, known)) for objective in self.study.objectives]
-        ranked = tuple(ranking(rows, key, objective.goal) for objective, key in wanted if key)
+        wanted = [(meant(objective.key, known), objective.goal) for objective in self.study.objectives]
+        ranked = tuple(ranking(rows, key, goal) for key, goal in wanted if key)
         return SweepResult(
             subject=self.subject,
             question=self.question,
@@ -350,22 +342,3 @@ def _better(best: float | None, evaluations: Sequence[Outcome]) -> float | None:
     """The least first loss of what breaks no limit, and of what was the least before."""
     allowed = [float(evaluation.losses[0]) for evaluation in evaluations if evaluation.broken <= 0]
     return min(allowed if best is None else [best, *allowed], default=None)
-
-
-def _aimed_at(aims: Sequence[str], results: Results, evaluation: Evaluation) -> Results:
-    """What a study is about among the numbers of other results than the searching one's."""
-    beside = {
-        key: estimate
-        for key, estimate in results.items()
-        if key not in {**evaluation.results, **evaluation.values}
-    }
-    keys = [_known(key, beside) for key in aims]
-    return {key: beside[key] for key in keys if key is not None}
-
-
-def _known(key: str, known: Collection[str]) -> str | None:
-    """The key among these that an objective or a limit means, None where it means none of them."""
-    try:
-        return resolved(key, known)
-    except InputError:
-        return None
