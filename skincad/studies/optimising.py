@@ -21,7 +21,7 @@ from skincad.base.progress import Tick
 from skincad.inputs.design import Design
 from skincad.scenes.scene import Scene
 from skincad.studies.optimisers import Optimiser, OptunaSearch, Outcome, levels, minimise, pareto_front
-from skincad.studies.query import GUIDE, Evaluation, Kind, Query, first_able, meant, question_of, worded
+from skincad.studies.query import GUIDE, Evaluation, Query, first_able, meant, question_of, worded
 from skincad.studies.running import Log, Run, Values, Workers, log_in
 from skincad.studies.running import workers as working
 from skincad.studies.searches import combinations, search
@@ -128,7 +128,7 @@ class _Hunt:
         default_factory=lambda: {"guide": {}, "search": {}}
     )
     asking: Optimiser | None = None
-    best: float | None = None  # loss of the first objective
+    best: float | None = None  # the first objective's least loss that keeps all limits, by its worse end
     aims: dict[Any, Any] = field(default_factory=dict)
 
     def values(self, place: Array) -> Values:
@@ -190,13 +190,6 @@ class _Hunt:
             self._minimised("search", self.asking, most - len(self.known["search"]), who)
         return self._front()
 
-    def _so_far(self) -> str:
-        """What the bar says: the best of the first objective that keeps all limits, by its worse end."""
-        objective = self.study.objectives[0]
-        if self.best is None:
-            return "none allowed so far"
-        return f"best {worded(objective.key, self.best * (1 if objective.goal == 'min' else -1))}"
-
     def _front(self) -> list[Outcome]:
         return pareto_front(self._evaluations())
 
@@ -209,10 +202,7 @@ class _Hunt:
     @property
     def judges_free(self) -> bool:
         """Whether the judge is the model that searches, so that its word costs nothing."""
-        others = self.weighing.others()
-        return self._question("judge") == self._question("search") and all(
-            self._beside(kind, "judge") == self._beside(kind, "search") for kind in others
-        )
+        return self._questions("judge") == self._questions("search")
 
     def judged(self, values: Values, who: Workers) -> Member | None:
         """Return what the judge says of some values, of none the subject's own; None where it refuses."""
@@ -273,7 +263,10 @@ class _Hunt:
             evaluations = [self.weighing.told(place, known[design(place)].results, model) for place in places]
             if model == "search" and self.tick is not None:
                 self.best = _better(self.best, evaluations)
-                self.tick(self._so_far(), len(known))
+                objective = self.study.objectives[0]
+                best = (self.best or 0.0) * (1 if objective.goal == "min" else -1)
+                so_far = "none allowed so far" if self.best is None else f"best {worded(objective.key, best)}"
+                self.tick(so_far, len(known))
             return evaluations
 
         return minimise(function, optimiser, most, design, tuple(known) if model == "search" else ())
@@ -283,33 +276,32 @@ class _Hunt:
     ) -> list[tuple[Evaluation, Results | None]]:
         """A model's answers, and all numbers of each design: the answer's, the varied keys', and those of
         other results, whose name stands before their keys; None where one of them is refused."""
-        answers = self._run(self._question(model)).at(points, who)
-        results: list[dict[str, Estimate] | None] = [
-            None if evaluation.refused else {**evaluation.results, **self._own(evaluation.values)}
-            for evaluation in answers
-        ]
-        for kind in self.weighing.others() if model != "guide" else ():
+        answers, results = list[Evaluation](), list[dict[str, Estimate] | None]([{} for _ in points])
+        for before, question in self._questions(model).items():
             there = [i for i, row in enumerate(results) if row is not None]
-            design_values = [self._of_design(points[i]) for i in there]
-            for i, evaluation in zip(
-                there, self._run(self._beside(kind, model)).at(design_values, who), strict=True
-            ):
-                named = {f"{kind}.{key}": row for key, row in evaluation.results.items()}
-                results[i] = None if evaluation.refused else {**(results[i] or {}), **named}
+            values = [self._of_design(points[i]) if before else points[i] for i in there]
+            rows = self._run(question).at(values, who)
+            answers = answers or rows
+            for i, row in zip(there, rows, strict=True):
+                named = {f"{before}{key}": estimate for key, estimate in row.results.items()}
+                own = {} if before else self._own(points[i])
+                results[i] = None if row.refused else {**(results[i] or {}), **named, **own}
         return list(zip(answers, results, strict=True))
 
-    def _question(self, model: Model) -> Query:
-        if self.question.kind != "check" or model == "search":
-            return self.question
-        return replace(self.question, model=GUIDE if model == "guide" else self.study.judge)
-
-    def _beside(self, kind: Kind, model: Model) -> Query:
-        """What is asked beside the question: another result of the same design."""
-        if kind != "check":
-            return Query(kind)
-        design = self.subject.design if isinstance(self.subject, Scene) else self.subject
-        cheap = self.study.model or first_able(RANKED_BY, design)  # type: ignore[arg-type]
-        return Query(kind, self.study.judge if model == "judge" else cheap)
+    def _questions(self, model: Model) -> dict[str, Query]:
+        """What a model is asked of a design, by what stands before the keys of the results."""
+        question, judge = self.question, self.study.judge
+        if question.kind == "check" and model != "search":
+            question = replace(question, model=GUIDE if model == "guide" else judge)
+        questions = {"": question}
+        for kind in self.weighing.others() if model != "guide" else ():
+            model_of_kind = None
+            if kind == "check":
+                design = self.subject.design if isinstance(self.subject, Scene) else self.subject
+                cheap = self.study.model or first_able(RANKED_BY, design)  # type: ignore[arg-type]
+                model_of_kind = judge if model == "judge" else cheap
+            questions[f"{kind}."] = Query(kind, model_of_kind)
+        return questions
 
     def _run(self, question: Query) -> Run:
         if question not in self.runs:

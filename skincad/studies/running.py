@@ -327,14 +327,12 @@ def _cluster(dask: Any) -> Iterator[Workers]:
         raise InputError(
             "dask", "needs the package distributed", remedy="pip install 'skincad[dask]'"
         ) from None
-    if not isinstance(dask, str):
-        yield Workers(dask.get_executor(), max(1, len(dask.nthreads())))
-        return
     try:
-        client = Client(dask, timeout=PATIENCE)
+        client = Client(dask, timeout=PATIENCE) if isinstance(dask, str) else dask
     except (OSError, ValueError, TypeError) as failure:
         raise InputError("dask", f"no cluster answers ({failure})", dask, "check the address") from None
     try:
         yield Workers(client.get_executor(), max(1, len(client.nthreads())))
     finally:
-        client.close()
+        if client is not dask:
+            client.close()
