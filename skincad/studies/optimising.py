@@ -53,9 +53,12 @@ def optimise(
     began = perf_counter()
     subject = study.subject()
     varied = knobs(subject, dict(study.vary))
-    question = _searching(study, subject)
-    log = log_in(folder, fresh=fresh)
-    hunt = _Hunt(study, subject, question, varied, log, tick, RobustObjective(study))
+    log, weighing, model = log_in(folder, fresh=fresh), RobustObjective(study), study.model
+    if isinstance(subject, Design) and model is None:
+        model = first_able(RANKED_BY, subject)
+    if isinstance(subject, Scene) and "check" in weighing.others():
+        model = None  # it is that of the checks beside
+    hunt = _Hunt(study, subject, question_of(subject, model=model), varied, log, tick, weighing)
     with working(workers, dask) as who:
         start = hunt.judged({}, who)
         hunt.correct(start, who)
@@ -68,8 +71,8 @@ def optimise(
             members += [other for other in there if other.values not in [m.values for m in members]]
             hunt.correct(next(iter(there), None), who)  # also where the judge says that a limit is broken
     log.close()
-    ordered = hunt.weighing.ordered(members)
-    best_members = tuple(hunt.weighing.pareto_front([member for member in ordered if member.allowed]))
+    ordered = weighing.ordered(members)
+    best_members = tuple(weighing.pareto_front([member for member in ordered if member.allowed]))
     count = combinations(varied)
     asked = [run for question, run in hunt.runs.items() if not hunt.is_guide(question)]
     return Optimisation(
@@ -85,15 +88,6 @@ def optimise(
         reused=sum(run.reused for run in asked),
         seconds=perf_counter() - began,
     )
-
-
-def _searching(study: Study, subject: Subject) -> Query:
-    """What is asked of each design; of a scene a model is that of the checks beside, if there are any."""
-    model = study.model
-    if isinstance(subject, Design) and model is None:
-        model = first_able(RANKED_BY, subject)
-    beside = isinstance(subject, Scene) and "check" in RobustObjective(study).others()
-    return question_of(subject, model=None if beside else model)
 
 
 def _spread(front: Sequence[Outcome], most: int) -> list[Outcome]:

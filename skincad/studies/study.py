@@ -228,14 +228,11 @@ class RobustObjective:
         """
         if len(self.study.objectives) == 1:
             return list(members[:1])
-        evaluations = [
-            Outcome(np.zeros(0), np.array(self._losses(m.objectives, "judge")), np.zeros(0)) for m in members
-        ]
-        best = {id(evaluation) for evaluation in pareto_front(evaluations)}
-        front = [
-            member for member, evaluation in zip(members, evaluations, strict=True) if id(evaluation) in best
-        ]
-        losses = np.array([evaluation.losses for evaluation in evaluations if id(evaluation) in best])
+        rows = [np.array(self._losses(member.objectives, "judge")) for member in members]
+        outcomes = [Outcome(np.array([i]), row, np.zeros(0)) for i, row in enumerate(rows)]
+        chosen = pareto_front(outcomes)
+        front = [members[int(outcome.place[0])] for outcome in chosen]
+        losses = np.array([outcome.losses for outcome in chosen])
         order = list(range(len(front)))
         for i in range(1, len(front)):
             gaps = np.abs(losses[order[i:], None] - losses[order[:i]]) / (np.ptp(losses, axis=0) + 1e-300)
