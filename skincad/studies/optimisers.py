@@ -1,16 +1,18 @@
-"""Optimisers that ask for places on the unit cube and are told what is there: CMA-ES, NSGA-II, Sobol points.
+"""Optimisers that ask for places on the unit cube and are told what is there.
 
-Every optimiser asks for the same places again if it is told the same: what a log has of an interrupted study
-is gone through again, and nothing needs to be kept of an optimiser itself.
+CMA-ES is the package cma's, TPE and NSGA-II are Optuna's, Sobol points SciPy's. Every optimiser asks for the
+same places again if it is told the same: what a log has of an interrupted study is gone through again, and
+nothing needs to be kept of an optimiser itself.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 import warnings
-from collections.abc import Callable, Collection, Hashable, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple, Protocol
+from collections.abc import Callable, Collection, Hashable, Iterator, Sequence
+from dataclasses import InitVar, dataclass
+from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 from scipy.stats import qmc
@@ -20,10 +22,11 @@ from skincad.base.errors import InputError
 from skincad.studies.subject import DesignVariable
 
 OptimiserName = Literal["cma", "nsga2", "sobol"]
-SPREAD, NEAR = (
-    0.3,
-    0.12,
-)  # of the cube: CMA's first standard deviation, from the middle and from a known start
+OPTIMISERS: tuple[OptimiserName, ...] = get_args(OptimiserName)
+SEVERAL: tuple[OptimiserName, ...] = "nsga2", "sobol"  # those that take several losses
+# of the cube: CMA's first standard deviation, from the middle and from a known start
+SPREAD, NEAR = 0.3, 0.12
+POPULATION, TPE_BATCH, SOBOL_BATCH = 40, 4, 16  # places at once
 WORST = 1e30  # the loss and the broken limit of a place without a result
 MAX_IDLE = 500  # places without a new design between them, after which a search ends
 MUTATED = 0.1  # of the cube: the standard deviation of the places that NSGA-II begins with around a start
@@ -134,91 +137,148 @@ class Cma:
 
 
 @dataclass
-class Nsga2:
-    """NSGA-II (Deb 2002) of optuna, for several losses; a limit that is broken comes before all losses."""
+class OptunaSearch:
+    """A sampler of Optuna, `tpe` or `nsga2`: a limit that is broken comes before all losses.
 
+    TPE (Bergstra and others 2011) is for choices and whole numbers, with numbers or without, NSGA-II (Deb
+    2002) for several losses. TPE asks no design twice, and goes on from `known`, earlier evaluations.
+    """
+
+    sampler: Literal["tpe", "nsga2"]
     knobs: tuple[DesignVariable, ...]
-    seed: int
     losses: int
+    seed: int
     start: Array | None = None
-    population: int = 40
+    budget: int = 200
+    known: InitVar[Sequence[Outcome]] = ()
 
-    def __post_init__(self) -> None:
-        try:
-            import optuna
-        except ImportError:
-            rule = "needs the package optuna for several objectives"
-            raise InputError("optimiser", rule, remedy="pip install 'skincad[optuna]'") from None
+    def __post_init__(self, known: Sequence[Outcome]) -> None:
+        import optuna
+
         optuna.logging.set_verbosity(optuna.logging.ERROR)
-        # Deb's own operators: on ZDT1 the library's defaults need several times the evaluations
+        self._optuna, self._random = optuna, np.random.default_rng(self.seed)
+        # of each knob the steps by their values: choices need not stand in the order of their numbers
+        self._steps = [_steps(knob) for knob in self.knobs]
+        self._space = {f"x{i}": self._distribution(i) for i in range(len(self.knobs))}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)  # interfaces may change
-            sampler = optuna.samplers.NSGAIISampler(
-                population_size=self.population,
-                seed=self.seed,
-                crossover=optuna.samplers.nsgaii.SBXCrossover(eta=10),
-                mutation=optuna.samplers.nsgaii.PolynomialMutation(),
-            )
-        self._optuna = optuna
+            sampler = self._nsga2() if self.sampler == "nsga2" else self._tpe()
         self._study = optuna.create_study(directions=["minimize"] * self.losses, sampler=sampler)
-        self._names = [f"x{i}" for i in range(len(self.knobs))]
+        self._asked = set[tuple[float, ...]]()
+        for evaluation in known:
+            parameters, (broken, losses) = self._parameters(evaluation.place), _finite(evaluation)
+            self._asked.add(tuple(parameters.values()))
+            self._study.add_trial(
+                optuna.trial.create_trial(
+                    params=parameters,
+                    distributions=self._space,
+                    values=losses,
+                    constraints={"limits": broken},
+                )
+            )
         for place in self._first():
-            self._study.enqueue_trial(dict(zip(self._names, place.tolist(), strict=True)))
+            self._study.enqueue_trial(self._parameters(place))
 
-    def _first(self) -> Array:
-        """A generation around a start, or over the cube."""
-        places: Array = np.asarray(qmc.Sobol(len(self.knobs), rng=self.seed).random(64)[: self.population])
+    def _distribution(self, number: int) -> Any:
+        kinds, steps = self._optuna.distributions, self._steps[number]
+        if any(isinstance(choice, str) for choice in self.knobs[number].choices):
+            return kinds.CategoricalDistribution(steps)
+        return kinds.IntDistribution(0, len(steps) - 1) if steps else kinds.FloatDistribution(0.0, 1.0)
+
+    def _tpe(self) -> Any:
+        self._batch = TPE_BATCH
+        first = min(10, self.budget // 4)  # at random; the library's own 10 are many of a few evaluations
+        return self._optuna.samplers.TPESampler(seed=self.seed, multivariate=True, n_startup_trials=first)
+
+    def _nsga2(self) -> Any:
+        """With Deb's own operators: on ZDT1 the library's defaults need several times the evaluations."""
+        self._batch, samplers = POPULATION, self._optuna.samplers
+        return samplers.NSGAIISampler(
+            population_size=POPULATION,
+            seed=self.seed,
+            crossover=samplers.nsgaii.SBXCrossover(eta=10),
+            mutation=samplers.nsgaii.PolynomialMutation(),
+        )
+
+    def _first(self) -> Sequence[Array]:
+        """The start; of NSGA-II a generation around it, or over the cube."""
+        if self.sampler == "tpe":
+            return [] if self.start is None else [self.start]
+        points: Array = np.asarray(qmc.Sobol(len(self.knobs), rng=self.seed).random(64)[:POPULATION])
         if self.start is None:
-            return places
-        around = np.random.default_rng(self.seed).normal(self.start, MUTATED, places.shape)
-        return np.where(np.arange(len(places))[:, None] % 2, places, np.clip(around, 0.0, 1.0))
+            return list(points)
+        around = np.clip(self._random.normal(self.start, MUTATED, points.shape), 0.0, 1.0)
+        return list(np.where(np.arange(len(points))[:, None] % 2, points, around))
 
     def ask(self) -> list[Array]:
-        """Return one generation."""
-        whole = self._optuna.distributions.FloatDistribution(0.0, 1.0)
-        self._trials = [self._study.ask(dict.fromkeys(self._names, whole)) for _ in range(self.population)]
-        return [np.array([suggestion.params[name] for name in self._names]) for suggestion in self._trials]
+        """Return the next places."""
+        self._trials = [self._trial() for _ in range(self._batch)]
+        return [self._place(self._row(trial)) for trial in self._trials]
+
+    def _place(self, row: tuple[float, ...]) -> Array:
+        columns = zip(self._steps, row, strict=True)
+        return np.array([(steps[int(x)] + 0.5) / len(steps) if steps else x for steps, x in columns])
+
+    def _trial(self) -> Any:
+        """The sampler's next design, of TPE a random one in the place of one that was asked."""
+        trial = self._study.ask(self._space)
+        if self.sampler == "tpe" and self._row(trial) in self._asked:
+            self._study.tell(trial, state=self._optuna.trial.TrialState.FAIL)
+            rows = (self._parameters(self._random.random(len(self.knobs))) for _ in range(MAX_IDLE))
+            new = (row for row in rows if tuple(row.values()) not in self._asked)
+            self._study.enqueue_trial(next(new, trial.params))
+            trial = self._study.ask(self._space)
+        self._asked.add(self._row(trial))
+        return trial
+
+    def _row(self, trial: Any) -> tuple[float, ...]:
+        return tuple(trial.params[name] for name in self._space)
+
+    def _parameters(self, place: Array) -> dict[str, float]:
+        """The place as Optuna has it: of choices and whole numbers which step it is."""
+        rows = zip(self._space, self._steps, place, strict=True)
+        return {
+            name: steps.index(min(int(x * len(steps)), len(steps) - 1)) if steps else float(x)
+            for name, steps, x in rows
+        }
 
     def tell(self, evaluations: Sequence[Outcome]) -> None:
-        """Take the generation's losses and limits."""
-        for suggestion, evaluation in zip(self._trials, evaluations, strict=True):
-            suggestion.set_constraint("limits", min(evaluation.broken, WORST))
-            self._study.tell(suggestion, np.nan_to_num(evaluation.losses, nan=WORST).tolist())
+        """Take the losses and limits."""
+        for trial, evaluation in zip(self._trials, evaluations, strict=True):
+            broken, losses = _finite(evaluation)
+            trial.set_constraint("limits", broken)
+            self._study.tell(trial, losses)
+
+
+def _steps(knob: DesignVariable) -> list[int]:
+    """The steps of a knob of choices or whole numbers, numbers by their size; none for any other."""
+    steps, numbers = list(range(levels(knob))), [c for c in knob.choices if not isinstance(c, str)]
+    return sorted(steps, key=lambda step: numbers[step]) if len(numbers) == len(steps) else steps
+
+
+def _finite(evaluation: Outcome) -> tuple[float, list[float]]:
+    """By how much limits are broken, and the losses; WORST where there is no result."""
+    return min(evaluation.broken, WORST), np.nan_to_num(evaluation.losses, nan=WORST).tolist()
 
 
 @dataclass
-class Sobol:
-    """Points that fill the cube evenly, whatever is there."""
+class Points:
+    """Places that are known beforehand, a batch at a time, whatever is there."""
 
-    knobs: tuple[DesignVariable, ...]
-    seed: int
-    batch: int = 16
-
-    def __post_init__(self) -> None:
-        self._points = qmc.Sobol(len(self.knobs), rng=self.seed)
+    batches: Iterator[list[Array]]
 
     def ask(self) -> list[Array]:
-        """Return the next points."""
-        return list(self._points.random(self.batch))
+        """Return the next places; none behind the last ones."""
+        return next(self.batches, [])
 
     def tell(self, evaluations: Sequence[Outcome]) -> None:
         """Take no note."""
 
 
-class OptimiserRow(NamedTuple):
-    """How an optimiser is made of keys, how many losses, seed and start; whether it takes `several` losses;
-    and whether it takes `any_keys`, in the place of what suits one key, and choices or whole numbers."""
-
-    make: Callable[[tuple[DesignVariable, ...], int, int, Array | None], Optimiser]
-    several: bool = True
-    any_keys: bool = True
-
-
-OPTIMISERS: dict[OptimiserName, OptimiserRow] = {
-    "cma": OptimiserRow(lambda knobs, _, seed, start: Cma(knobs, seed, start), several=False, any_keys=False),
-    "nsga2": OptimiserRow(lambda knobs, losses, seed, start: Nsga2(knobs, seed, losses, start)),
-    "sobol": OptimiserRow(lambda knobs, _losses, seed, _start: Sobol(knobs, seed)),
-}
+def sobol(knobs: Sequence[DesignVariable], seed: int) -> Points:
+    """Return points that fill the cube evenly."""
+    points = qmc.Sobol(len(knobs), rng=seed)
+    return Points(list(points.random(SOBOL_BATCH)) for _ in itertools.count())
 
 
 def either(names: Sequence[str]) -> str:
@@ -228,9 +288,8 @@ def either(names: Sequence[str]) -> str:
 
 def check_losses(name: OptimiserName, losses: int) -> None:
     """Raise InputError for several losses where an optimiser takes only one."""
-    if losses > 1 and not OPTIMISERS[name].several:
-        able = either([other for other, row in OPTIMISERS.items() if row.several])
-        raise InputError("optimiser", f"must be {able} for several objectives", name)
+    if losses > 1 and name not in SEVERAL:
+        raise InputError("optimiser", f"must be {either(SEVERAL)} for several objectives", name)
 
 
 def optimiser(
@@ -238,10 +297,12 @@ def optimiser(
 ) -> Optimiser:
     """Return an optimiser by its name, begun at `start` where one is known.
 
-    Raises InputError for CMA-ES with several losses, and for a package that is not installed.
+    Raises InputError for CMA-ES with several losses.
     """
     check_losses(name, losses)
-    return OPTIMISERS[name].make(knobs, losses, seed, start)
+    if name == "sobol":
+        return sobol(knobs, seed)
+    return Cma(knobs, seed, start) if name == "cma" else OptunaSearch(name, knobs, losses, seed, start)
 
 
 def levels(knob: DesignVariable) -> int:
@@ -251,26 +312,20 @@ def levels(knob: DesignVariable) -> int:
     return int(knob.high) - int(knob.low) + 1 if knob.whole else 0
 
 
-@dataclass
-class Archive:
-    """What was found so far: all that breaks no limit and is not beaten by another, in all losses."""
+def pareto_front(evaluations: Sequence[Outcome]) -> list[Outcome]:
+    """Return all that breaks no limit and is not beaten by another, in all losses.
 
-    evaluations: list[Outcome] = field(default_factory=list)
-
-    @property
-    def front(self) -> list[Outcome]:
-        """The front; of what breaks limits the one that breaks them least, if there is nothing else."""
-        allowed = [
-            evaluation for evaluation in self.evaluations if evaluation.there and evaluation.broken <= 0
-        ]
-        if not allowed:
-            return sorted(self.evaluations, key=lambda evaluation: evaluation.broken)[:1]
-        losses = np.array([evaluation.losses for evaluation in allowed])
-        return [
-            evaluation
-            for evaluation, mine in zip(allowed, losses, strict=True)
-            if not np.any(np.all(losses <= mine, axis=1) & np.any(losses < mine, axis=1))
-        ]
+    Of what breaks limits the one that breaks them least, if there is nothing else.
+    """
+    allowed = [evaluation for evaluation in evaluations if evaluation.there and evaluation.broken <= 0]
+    if not allowed:
+        return sorted(evaluations, key=lambda evaluation: evaluation.broken)[:1]
+    losses = np.array([evaluation.losses for evaluation in allowed])
+    return [
+        evaluation
+        for evaluation, mine in zip(allowed, losses, strict=True)
+        if not np.any(np.all(losses <= mine, axis=1) & np.any(losses < mine, axis=1))
+    ]
 
 
 def minimise(
@@ -279,9 +334,9 @@ def minimise(
     most: int,
     design: Callable[[Array], Hashable] = bytes,
     known: Collection[Hashable] = (),
-) -> Archive:
-    """Return the front of a function that tells of a batch of places, in about `most` evaluations: a batch
-    that was begun is ended.
+) -> list[Outcome]:
+    """Return what a function told of places, a batch at a time, in about `most` evaluations: a batch that was
+    begun is ended.
 
     Places of one `design` count once, those of a `known` one don't count. The search also ends if the
     optimiser has no more places, or has had no new design for long.
@@ -295,4 +350,4 @@ def minimise(
         fresh = len(batch.keys() - archive.keys() - before)
         new, idle = new + fresh, 0 if fresh else idle + len(places)
         archive = batch | archive
-    return Archive(list(archive.values()))
+    return list(archive.values())

@@ -7,7 +7,7 @@ time, is searched and judged first, MAPPED times; then the model that searches, 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
@@ -16,19 +16,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from skincad.base.arrays import Array
-from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Tick
 from skincad.inputs.design import Design
 from skincad.scenes.scene import Scene
-from skincad.studies.optimisers import Archive, Optimiser, Outcome, levels, minimise
-from skincad.studies.query import GUIDE, Evaluation, Kind, Query, first_able, question_of, resolved, worded
-from skincad.studies.running import Log, Run, Values, Workers
+from skincad.studies.optimisers import Optimiser, OptunaSearch, Outcome, levels, minimise, pareto_front
+from skincad.studies.query import GUIDE, Evaluation, Query, first_able, meant, question_of, worded
+from skincad.studies.running import Log, Run, Values, Workers, log_in
 from skincad.studies.running import workers as working
-from skincad.studies.searches import Surrogate, combinations, search
+from skincad.studies.searches import combinations, search
 from skincad.studies.study import Member, Model, Optimisation, Results, RobustObjective, Study
 from skincad.studies.subject import SKIN, DesignVariable, Subject, Value, knobs
-from skincad.studies.sweeping import RANKED_BY, SweepResult, log_in, ranking
+from skincad.studies.sweeping import RANKED_BY, SweepResult, ranking
 
 MAPPED, ROUNDS = 5, 3  # searches of the closed form, and parts of the model's, each judged at its end
 COARSE = 600  # evaluations of the closed form in a search
@@ -54,9 +53,12 @@ def optimise(
     began = perf_counter()
     subject = study.subject()
     varied = knobs(subject, dict(study.vary))
-    question = _searching(study, subject)
-    log = log_in(folder, fresh=fresh)
-    hunt = _Hunt(study, subject, question, varied, log, tick, RobustObjective(study))
+    log, weighing, model = log_in(folder, fresh=fresh), RobustObjective(study), study.model
+    if isinstance(subject, Design) and model is None:
+        model = first_able(RANKED_BY, subject)
+    if isinstance(subject, Scene) and "check" in weighing.others():
+        model = None  # it is that of the checks beside
+    hunt = _Hunt(study, subject, question_of(subject, model=model), varied, log, tick, weighing)
     with working(workers, dask) as who:
         start = hunt.judged({}, who)
         hunt.correct(start, who)
@@ -68,38 +70,24 @@ def optimise(
             there = [member for member in judged if member is not None]
             members += [other for other in there if other.values not in [m.values for m in members]]
             hunt.correct(next(iter(there), None), who)  # also where the judge says that a limit is broken
-    if log is not None:
-        log.close()
-    allowed = [other for other in hunt.weighing.ordered(members) if other.allowed]
-    best_members = tuple(hunt.weighing.pareto_front(allowed))
-    closest = None if best_members else next(iter(hunt.weighing.ordered(members)), None)
-    rows, count = hunt.rows(), combinations(varied)
-    untried = None if count is None else count - len(hunt.known["search"])
+    log.close()
+    ordered = weighing.ordered(members)
+    best_members = tuple(weighing.pareto_front([member for member in ordered if member.allowed]))
+    count = combinations(varied)
     asked = [run for question, run in hunt.runs.items() if not hunt.is_guide(question)]
-    evaluated, reused = sum(run.evaluated for run in asked), sum(run.reused for run in asked)
-    seconds = perf_counter() - began
     return Optimisation(
         study=study,
         subject=subject,
         front=best_members,
-        closest=closest,
+        closest=None if best_members else next(iter(ordered), None),
         start=start,
-        rows=rows,
+        rows=hunt.rows(),
         judged=len(members),
-        untried=untried,
-        evaluations=evaluated,
-        reused=reused,
-        seconds=seconds,
+        untried=None if count is None else count - len(hunt.known["search"]),
+        evaluations=sum(run.evaluated for run in asked),
+        reused=sum(run.reused for run in asked),
+        seconds=perf_counter() - began,
     )
-
-
-def _searching(study: Study, subject: Subject) -> Query:
-    """What is asked of each design; of a scene a model is that of the checks beside, if there are any."""
-    model = study.model
-    if isinstance(subject, Design) and model is None:
-        model = first_able(RANKED_BY, subject)
-    beside = isinstance(subject, Scene) and "check" in RobustObjective(study).others()
-    return question_of(subject, model=None if beside else model)
 
 
 def _spread(front: Sequence[Outcome], most: int) -> list[Outcome]:
@@ -126,7 +114,7 @@ class _Hunt:
     subject: Subject
     question: Query
     knobs: tuple[DesignVariable, ...]
-    log: Log | None
+    log: Log
     tick: Tick | None
     weighing: RobustObjective
     runs: dict[Query, Run] = field(default_factory=dict)
@@ -134,7 +122,7 @@ class _Hunt:
         default_factory=lambda: {"guide": {}, "search": {}}
     )
     asking: Optimiser | None = None
-    best: float | None = None  # loss of the first objective
+    best: float | None = None  # the first objective's least loss that keeps all limits, by its worse end
     aims: dict[Any, Any] = field(default_factory=dict)
 
     def values(self, place: Array) -> Values:
@@ -145,12 +133,11 @@ class _Hunt:
         """Return a place of the unit cube with these values."""
         places = []
         for knob in self.knobs:
-            value, count = values.get(knob.key, knob.start), levels(knob)
-            if value is None:
+            value, names = values.get(knob.key, knob.start), list(knob.values()) if levels(knob) else []
+            if value in names:
+                places.append((names.index(value) + 0.5) / len(names))
+            elif names or value is None:
                 places.append(0.5)
-            elif count:
-                names = list(knob.values())
-                places.append((names.index(value) + 0.5) / count if value in names else 0.5)
             else:
                 places.append(knob.share(min(max(float(value), knob.low), knob.high)))
         return np.array(places)
@@ -162,7 +149,7 @@ class _Hunt:
             return place, members
         for _ in range(MAPPED):
             evaluations = self._minimised("guide", self._search(place, COARSE), COARSE, Workers())
-            best = evaluations.front[0]
+            best = pareto_front(evaluations)[0]
             if not best.there or (members and float(np.abs(best.place - place).max()) < SAME):
                 break
             place, member = best.place, self.judged(self.values(best.place), who)
@@ -193,19 +180,12 @@ class _Hunt:
         self._minimised("search", self.asking, most - len(self.known["search"]), who)
         if count is not None and len(self.known["search"]) < min(most, count):
             objectives, known = len(self.study.objectives), self._evaluations()
-            self.asking = Surrogate(self.knobs, objectives, budget, self.study.seed, start, known)
+            self.asking = OptunaSearch("tpe", self.knobs, objectives, self.study.seed, start, budget, known)
             self._minimised("search", self.asking, most - len(self.known["search"]), who)
         return self._front()
 
-    def _so_far(self) -> str:
-        """What the bar says: the best of the first objective that keeps all limits, by its worse end."""
-        objective = self.study.objectives[0]
-        if self.best is None:
-            return "none allowed so far"
-        return f"best {worded(objective.key, self.best * (1 if objective.goal == 'min' else -1))}"
-
     def _front(self) -> list[Outcome]:
-        return Archive(self._evaluations()).front
+        return pareto_front(self._evaluations())
 
     def _evaluations(self) -> list[Outcome]:
         return [
@@ -216,10 +196,7 @@ class _Hunt:
     @property
     def judges_free(self) -> bool:
         """Whether the judge is the model that searches, so that its word costs nothing."""
-        others = self.weighing.others()
-        return self._question("judge") == self._question("search") and all(
-            self._beside(kind, "judge") == self._beside(kind, "search") for kind in others
-        )
+        return self._questions("judge") == self._questions("search")
 
     def judged(self, values: Values, who: Workers) -> Member | None:
         """Return what the judge says of some values, of none the subject's own; None where it refuses."""
@@ -239,18 +216,16 @@ class _Hunt:
 
     def rows(self) -> SweepResult:
         """Return what the searching model was asked, as the rows of a sweep."""
-        aims = self.study.aims
-        unique = {
-            known.answer.key: replace(
-                known.answer,
-                results={**known.answer.results, **_aimed_at(aims, known.results or {}, known.answer)},
-            )
-            for known in self.known["search"].values()
-        }
+        unique = dict[str, Evaluation]()
+        for _, answer, results in self.known["search"].values():
+            own = {**answer.results, **answer.values}
+            beside = {key: estimate for key, estimate in (results or {}).items() if key not in own}
+            aims = {key: beside[key] for aim in self.study.aims if (key := meant(aim, beside))}
+            unique[answer.key] = replace(answer, results={**answer.results, **aims})
         rows = tuple(unique.values())
         known = {key for row in rows for key in row.results}
-        wanted = [(objective, _known(objective.key, known)) for objective in self.study.objectives]
-        ranked = tuple(ranking(rows, key, objective.goal) for objective, key in wanted if key)
+        wanted = [(meant(objective.key, known), objective.goal) for objective in self.study.objectives]
+        ranked = tuple(ranking(rows, key, goal) for key, goal in wanted if key)
         return SweepResult(
             subject=self.subject,
             question=self.question,
@@ -268,7 +243,7 @@ class _Hunt:
         seed = study.seed + len(known)
         return search(study.optimiser, self.knobs, len(study.objectives), budget, seed, start, known)
 
-    def _minimised(self, model: Model, optimiser: Optimiser, most: int, who: Workers) -> Archive:
+    def _minimised(self, model: Model, optimiser: Optimiser, most: int, who: Workers) -> list[Outcome]:
         known = self.known[model]
 
         def design(place: Array) -> tuple[Value, ...]:
@@ -282,7 +257,10 @@ class _Hunt:
             evaluations = [self.weighing.told(place, known[design(place)].results, model) for place in places]
             if model == "search" and self.tick is not None:
                 self.best = _better(self.best, evaluations)
-                self.tick(self._so_far(), len(known))
+                objective = self.study.objectives[0]
+                best = (self.best or 0.0) * (1 if objective.goal == "min" else -1)
+                so_far = "none allowed so far" if self.best is None else f"best {worded(objective.key, best)}"
+                self.tick(so_far, len(known))
             return evaluations
 
         return minimise(function, optimiser, most, design, tuple(known) if model == "search" else ())
@@ -292,39 +270,38 @@ class _Hunt:
     ) -> list[tuple[Evaluation, Results | None]]:
         """A model's answers, and all numbers of each design: the answer's, the varied keys', and those of
         other results, whose name stands before their keys; None where one of them is refused."""
-        answers = self._run(self._question(model)).at(points, who)
-        results: list[dict[str, Estimate] | None] = [
-            None if evaluation.refused else {**evaluation.results, **self._own(evaluation.values)}
-            for evaluation in answers
-        ]
-        for kind in self.weighing.others() if model != "guide" else ():
+        answers, results = list[Evaluation](), list[dict[str, Estimate] | None]([{} for _ in points])
+        for before, question in self._questions(model).items():
             there = [i for i, row in enumerate(results) if row is not None]
-            design_values = [self._of_design(points[i]) for i in there]
-            for i, evaluation in zip(
-                there, self._run(self._beside(kind, model)).at(design_values, who), strict=True
-            ):
-                named = {f"{kind}.{key}": row for key, row in evaluation.results.items()}
-                results[i] = None if evaluation.refused else {**(results[i] or {}), **named}
+            values = [self._of_design(points[i]) if before else points[i] for i in there]
+            rows = self._run(question).at(values, who)
+            answers = answers or rows
+            for i, row in zip(there, rows, strict=True):
+                named = {f"{before}{key}": estimate for key, estimate in row.results.items()}
+                own = {} if before else self._own(points[i])
+                results[i] = None if row.refused else {**(results[i] or {}), **named, **own}
         return list(zip(answers, results, strict=True))
 
-    def _question(self, model: Model) -> Query:
-        if self.question.kind != "check" or model == "search":
-            return self.question
-        return replace(self.question, model=GUIDE if model == "guide" else self.study.judge)
-
-    def _beside(self, kind: Kind, model: Model) -> Query:
-        """What is asked beside the question: another result of the same design."""
-        if kind != "check":
-            return Query(kind)
-        design = self.subject.design if isinstance(self.subject, Scene) else self.subject
-        cheap = self.study.model or first_able(RANKED_BY, design)  # type: ignore[arg-type]
-        return Query(kind, self.study.judge if model == "judge" else cheap)
+    def _questions(self, model: Model) -> dict[str, Query]:
+        """What a model is asked of a design, by what stands before the keys of the results."""
+        question, judge = self.question, self.study.judge
+        if question.kind == "check" and model != "search":
+            question = replace(question, model=GUIDE if model == "guide" else judge)
+        questions = {"": question}
+        for kind in self.weighing.others() if model != "guide" else ():
+            model_of_kind = None
+            if kind == "check":
+                design = self.subject.design if isinstance(self.subject, Scene) else self.subject
+                cheap = self.study.model or first_able(RANKED_BY, design)  # type: ignore[arg-type]
+                model_of_kind = judge if model == "judge" else cheap
+            questions[f"{kind}."] = Query(kind, model_of_kind)
+        return questions
 
     def _run(self, question: Query) -> Run:
         if question not in self.runs:
             same_kind = question.kind == self.question.kind or not isinstance(self.subject, Scene)
             subject = self.subject if same_kind else self.subject.design  # type: ignore[union-attr]
-            self.runs[question] = Run(subject, question, None if self.is_guide(question) else self.log)
+            self.runs[question] = Run(subject, question, Log() if self.is_guide(question) else self.log)
         return self.runs[question]
 
     def is_guide(self, question: Query) -> bool:
@@ -351,22 +328,3 @@ def _better(best: float | None, evaluations: Sequence[Outcome]) -> float | None:
     """The least first loss of what breaks no limit, and of what was the least before."""
     allowed = [float(evaluation.losses[0]) for evaluation in evaluations if evaluation.broken <= 0]
     return min(allowed if best is None else [best, *allowed], default=None)
-
-
-def _aimed_at(aims: Sequence[str], results: Results, evaluation: Evaluation) -> Results:
-    """What a study is about among the numbers of other results than the searching one's."""
-    beside = {
-        key: estimate
-        for key, estimate in results.items()
-        if key not in {**evaluation.results, **evaluation.values}
-    }
-    keys = [_known(key, beside) for key in aims]
-    return {key: beside[key] for key in keys if key is not None}
-
-
-def _known(key: str, known: Collection[str]) -> str | None:
-    """The key among these that an objective or a limit means, None where it means none of them."""
-    try:
-        return resolved(key, known)
-    except InputError:
-        return None

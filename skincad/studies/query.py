@@ -31,14 +31,18 @@ from skincad.scenes.scene import Scene
 from skincad.studies.subject import Subject, Value, changed, fingerprint
 
 
+def meant(key: str, known: Iterable[str]) -> str | None:
+    """Return the known key that `key` means, its unit left out or not; None where it means none of them."""
+    names = list(known)
+    matches = [key] if key in names else [name for name in names if bare_key(name) == key]
+    return matches[0] if len(matches) == 1 else None
+
+
 def resolved(key: str, known: Iterable[str], *, what: str = "target") -> str:
     """Return the known key that `key` means, its unit left out or not; raises InputError for none."""
     names = list(known)
-    if key in names:
-        return key
-    matches = [name for name in names if bare_key(name) == key]
-    if len(matches) == 1:
-        return matches[0]
+    if (name := meant(key, names)) is not None:
+        return name
     bare = {bare_key(name) for name in names if "seconds" not in name}
     remedy = did_you_mean(key, bare)
     if remedy.startswith("known"):  # all entries of all lists would be no help

@@ -1,10 +1,10 @@
 """Evaluations of many designs, here, by workers or by a cluster, each logged at once.
 
 The log of a study: every finished evaluation, one JSON line each, only ever appended to. Any number of runs
-may write to one log at once. A line goes in under the file's lock; if a run is killed in the midst of it, the
-next one that appends cuts off what has no line end. Before an evaluation is begun it is claimed by a lock on
-one byte of the CLAIMS file beside the log, which ends with the process: nothing is left of a claim whose run
-was killed.
+may write to one log at once. A line goes in under a lock; if a run is killed in the midst of it, the next one
+that appends cuts off what has no line end. Before an evaluation is begun it is claimed. Claims and the lock
+are locks on single bytes of the CLAIMS file beside the log, which end with the process: nothing is left of a
+claim whose run was killed.
 
 Whoever computes is a `concurrent.futures.Executor`; a Dask client offers one too.
 """
@@ -39,15 +39,18 @@ except ImportError:  # no POSIX: runs on one study at once are not kept apart
 
 NAME = "evaluations.jsonl"
 CLAIMS = ".skincad-claims"
-SLOTS = 1 << 62  # bytes that claims lie at, by the key's first digits
+SLOTS = 1 << 62  # bytes that claims lie at, by the key's first digits; the next one is the lock of the log
 
 
 @dataclass
 class Log:
-    """A study's finished evaluations by key; `other` counts the lines of other versions of skincad, which
-    are not used. `torn` says whether a last line was cut off."""
+    """A study's finished evaluations by key, without a folder in memory alone.
 
-    folder: Path
+    `other` counts the lines of other versions of skincad, which are not used. `torn` says whether a last line
+    was cut off.
+    """
+
+    folder: Path | None = None
     evaluations: dict[str, Evaluation] = field(default_factory=dict)
     other: int = 0
     torn: bool = False
@@ -57,25 +60,33 @@ class Log:
     @property
     def path(self) -> Path:
         """The file."""
-        return self.folder / NAME
+        return (self.folder or Path()) / NAME
 
     def append(self, evaluation: Evaluation) -> None:
         """Write a finished evaluation; raises InputError where the file can't be written."""
-        line = (line_of(evaluation) + "\n").encode()
-        with self._opened() as handle, _locked(handle):
-            end = os.lseek(handle, 0, os.SEEK_END)
-            whole = self._whole(handle, end)
-            if whole != end:
-                os.ftruncate(handle, whole)
-                self.torn = True
-            try:
-                os.lseek(handle, whole, os.SEEK_SET)
-                while line:
-                    line = line[os.write(handle, line) :]
-            except OSError:
-                os.ftruncate(handle, whole)
-                raise
+        if self.folder is not None:
+            with self._opened() as handle:
+                self._lock("LOCK_EX", SLOTS)
+                try:
+                    self._write(handle, (line_of(evaluation) + "\n").encode())
+                finally:
+                    self._lock("LOCK_UN", SLOTS)
         self.evaluations[evaluation.key] = evaluation
+
+    def _write(self, handle: int, line: bytes) -> None:
+        """Write a line behind the last whole one."""
+        whole = end = os.lseek(handle, 0, os.SEEK_END)
+        if end and _at(handle, end - 1, 1) != b"\n":
+            whole = _at(handle, 0, end).rfind(b"\n") + 1
+            os.ftruncate(handle, whole)
+            self.torn = True
+        try:
+            os.lseek(handle, whole, os.SEEK_SET)
+            while line:
+                line = line[os.write(handle, line) :]
+        except OSError:
+            os.ftruncate(handle, whole)
+            raise
 
     def skip(self) -> None:
         """Leave out what the file has now: those evaluations are asked anew, and their lines stay."""
@@ -84,7 +95,7 @@ class Log:
 
     def read(self) -> None:
         """Take in what was appended since, by other runs too; raises InputError for a file that is no log."""
-        if not self.path.exists():
+        if self.folder is None or not self.path.exists():
             return
         with self._opened() as handle:
             end = os.fstat(handle).st_size
@@ -104,23 +115,11 @@ class Log:
 
     def claim(self, key: str) -> bool:
         """Return whether this run may evaluate this key now; it keeps the claim until `release`."""
-        if fcntl is None:
-            return True
-        if self._claims < 0:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            self._claims = os.open(self.folder / CLAIMS, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
-        try:
-            fcntl.lockf(self._claims, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, _slot(key))
-        except BlockingIOError:
-            return False
-        except OSError:  # the file system has no locks
-            return True
-        return True
+        return self._lock("LOCK_EX LOCK_NB", _slot(key))
 
     def release(self, key: str) -> None:
         """Give a claim back."""
-        if fcntl is not None and self._claims >= 0:
-            fcntl.lockf(self._claims, fcntl.LOCK_UN, 1, _slot(key))
+        self._lock("LOCK_UN", _slot(key))
 
     def close(self) -> None:
         """Give all claims back."""
@@ -128,10 +127,25 @@ class Log:
             os.close(self._claims)
             self._claims = -1
 
+    def _lock(self, names: str, slot: int) -> bool:
+        """Whether a byte was locked or unlocked; also where the file system or the machine has no locks."""
+        if fcntl is None or self.folder is None:
+            return True
+        if self._claims < 0:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            self._claims = os.open(self.folder / CLAIMS, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        try:
+            fcntl.lockf(self._claims, sum(getattr(fcntl, name) for name in names.split()), 1, slot)
+        except BlockingIOError:
+            return False
+        except OSError:
+            return True
+        return True
+
     @contextmanager
     def _opened(self) -> Iterator[int]:
         try:
-            self.folder.mkdir(parents=True, exist_ok=True)
+            self.path.parent.mkdir(parents=True, exist_ok=True)
             handle = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
             try:
                 yield handle
@@ -141,18 +155,13 @@ class Log:
             rule = f"{str(self.path)[:80]} cannot be written ({failure.strerror or failure})"
             raise InputError("folder", rule, remedy="name another folder, or make room") from None
 
-    @staticmethod
-    def _whole(handle: int, end: int) -> int:
-        """Up to where the file consists of whole lines."""
-        at = end
-        while at > 0:
-            start = max(0, at - 4096)
-            block = _at(handle, start, at - start)
-            newline = block.rfind(b"\n")
-            if newline >= 0:
-                return start + newline + 1
-            at = start
-        return 0
+
+def log_in(folder: Path | str | None, *, fresh: bool) -> Log:
+    """Return the log of a study's folder, to be gone on with, or with `fresh` from its end."""
+    log = Log(None if folder is None else Path(folder))
+    if fresh:
+        log.skip()
+    return log
 
 
 def line_of(evaluation: Evaluation) -> str:
@@ -186,22 +195,6 @@ def _at(handle: int, start: int, size: int) -> bytes:
     return data
 
 
-@contextmanager
-def _locked(handle: int) -> Iterator[None]:
-    if fcntl is None:
-        yield
-        return
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-    except OSError:  # the file system has no locks
-        yield
-        return
-    try:
-        yield
-    finally:
-        fcntl.flock(handle, fcntl.LOCK_UN)
-
-
 MOST_WORKERS = 256
 AHEAD = 2  # evaluations given out for each worker: none waits for the next
 POLL = 0.2  # s; until what another run has claimed is looked at again
@@ -220,13 +213,12 @@ class Workers:
 
 @dataclass
 class Run:
-    """A question of a subject at many values: `evaluations` by key, `asked` how many of them were computed
-    now, `reused` how many the log or an earlier point had."""
+    """A question of a subject at many values: `evaluated` how many of them were computed now, `reused` how
+    many the log or an earlier point had."""
 
     subject: Subject
     question: Query
-    log: Log | None = None
-    evaluations: dict[str, Evaluation] = field(default_factory=dict)
+    log: Log = field(default_factory=Log)
     evaluated: int = 0
     reused: int = 0
 
@@ -239,86 +231,55 @@ class Run:
         """
         keys = [key_of(self.subject, values, self.question) for values in points]
         wanted = dict(zip(keys, points, strict=True))
-        self._look()
-        todo = [key for key in wanted if key not in self.evaluations]
+        self.log.read()
+        todo = {key: values for key, values in wanted.items() if key not in self.log.evaluations}
         self.reused += len(points) - len(todo)
         finished = len(wanted) - len(todo)
-        for evaluation in self._computed({key: wanted[key] for key in todo}, workers):
+        for evaluation in self._computed(todo, workers):
             finished += 1
             if on_evaluation is not None:
                 on_evaluation(evaluation, finished, len(wanted))
-        return [replace(self.evaluations[key], values=dict(wanted[key])) for key in keys]
-
-    def _look(self) -> None:
-        """Take in what the log has, of other runs too."""
-        if self.log is not None:
-            self.log.read()
-            self.evaluations |= self.log.evaluations
+        return [replace(self.log.evaluations[key], values=dict(wanted[key])) for key in keys]
 
     def _computed(self, todo: dict[str, Values], workers: Workers) -> Iterator[Evaluation]:
         """Yield evaluations as they are finished; those that another run has claimed come from the log."""
         flying: dict[Future[Evaluation], str] = {}
-        waiting = list(todo)
         try:
-            while waiting or flying:
+            while todo or flying:
                 safe_point()
-                claimed = self._next(waiting) if len(flying) < AHEAD * workers.count else None
-                self._look()  # after the claim: another run may have finished it just before
-                for key in [key for key in waiting if key in self.evaluations]:
-                    waiting.remove(key)
-                    yield self._reused(key, claimed)
-                if claimed is not None and claimed in waiting:
-                    waiting.remove(claimed)
+                claimed = None
+                if len(flying) < AHEAD * workers.count:
+                    claimed = next((key for key in todo if self.log.claim(key)), None)
+                self.log.read()  # after the claim: another run may have finished it just before
+                for key in [key for key in todo if key in self.log.evaluations]:
+                    del todo[key]
+                    if key == claimed:
+                        self.log.release(key)
+                    self.reused += 1
+                    yield self.log.evaluations[key]
+                if claimed is not None and claimed in todo:
+                    values = todo.pop(claimed)
                     if workers.executor is None:
-                        yield self._kept(claimed, evaluate(self.subject, todo[claimed], self.question))
-                        continue
-                    future = workers.executor.submit(evaluate, self.subject, todo[claimed], self.question)
-                    flying[future] = claimed
-                    continue
-                if flying:
-                    yield from self._landed(flying)
-                elif waiting:
+                        yield self._kept(claimed, evaluate(self.subject, values, self.question))
+                    else:
+                        future = workers.executor.submit(evaluate, self.subject, values, self.question)
+                        flying[future] = claimed
+                elif flying:
+                    for future in wait(flying, POLL, FIRST_COMPLETED).done:
+                        evaluation = future.result()
+                        yield self._kept(flying.pop(future), evaluation)
+                elif todo:
                     time.sleep(POLL)
         finally:
             for future, key in flying.items():
                 future.cancel()
-                self._release(key)
-
-    def _next(self, waiting: list[str]) -> str | None:
-        """The first evaluation that no other run has claimed, claimed."""
-        if self.log is None:
-            return next(iter(waiting), None)
-        return next((key for key in waiting if self.log.claim(key)), None)
-
-    def _reused(self, key: str, claimed: str | None) -> Evaluation:
-        if key == claimed:
-            self._release(key)
-        self.reused += 1
-        return self.evaluations[key]
-
-    def _landed(self, flying: dict[Future[Evaluation], str]) -> Iterator[Evaluation]:
-        finished, _ = wait(flying, POLL, FIRST_COMPLETED)
-        for future in finished:
-            key = flying[future]
-            try:
-                evaluation = future.result()
-            except BrokenProcessPool:
-                rule = "a worker was ended, most likely for want of memory; take fewer workers"
-                raise ExhaustedError(rule) from None
-            del flying[future]
-            yield self._kept(key, evaluation)
+                self.log.release(key)
 
     def _kept(self, key: str, evaluation: Evaluation) -> Evaluation:
-        self.evaluations[key] = evaluation
         self.evaluated += 1
-        if self.log is not None:
-            self.log.append(evaluation)
-            self._release(key)
+        self.log.append(evaluation)
+        self.log.release(key)
         return evaluation
-
-    def _release(self, key: str) -> None:
-        if self.log is not None:
-            self.log.release(key)
 
 
 @contextmanager
@@ -341,9 +302,12 @@ def workers(count: int = 1, dask: str | Any | None = None) -> Iterator[Workers]:
         pool = ProcessPoolExecutor(count, get_context("spawn"), initializer=_worker)
         try:
             yield Workers(pool, count)
-        except BaseException:
-            for process in list(getattr(pool, "_processes", {}).values()):
+        except BaseException as failure:
+            for process in list((getattr(pool, "_processes", None) or {}).values()):
                 process.terminate()  # what is under way counts for nothing
+            if isinstance(failure, BrokenProcessPool):
+                rule = "a worker was ended, most likely for want of memory; take fewer workers"
+                raise ExhaustedError(rule) from None
             raise
         finally:
             pool.shutdown(cancel_futures=True)
@@ -363,14 +327,12 @@ def _cluster(dask: Any) -> Iterator[Workers]:
         raise InputError(
             "dask", "needs the package distributed", remedy="pip install 'skincad[dask]'"
         ) from None
-    if not isinstance(dask, str):
-        yield Workers(dask.get_executor(), max(1, len(dask.nthreads())))
-        return
     try:
-        client = Client(dask, timeout=PATIENCE)
+        client = Client(dask, timeout=PATIENCE) if isinstance(dask, str) else dask
     except (OSError, ValueError, TypeError) as failure:
         raise InputError("dask", f"no cluster answers ({failure})", dask, "check the address") from None
     try:
         yield Workers(client.get_executor(), max(1, len(client.nthreads())))
     finally:
-        client.close()
+        if client is not dask:
+            client.close()

@@ -23,7 +23,7 @@ from skincad.base.result import Record, Result, columns_of, item, record, report
 from skincad.base.tables import Document, Table
 from skincad.inputs.catalog import read_table, setting_key
 from skincad.mechanics.models.table import model_named
-from skincad.studies.optimisers import OPTIMISERS, Archive, OptimiserName, Outcome, check_losses, either
+from skincad.studies.optimisers import OPTIMISERS, OptimiserName, Outcome, check_losses, either, pareto_front
 from skincad.studies.query import Kind, resolved, slack
 from skincad.studies.subject import Subject, Value, changed, load_subject
 from skincad.studies.sweeping import SweepResult
@@ -86,7 +86,7 @@ class Study(Document):
     constraints: tuple[Limit, ...] = Field(default=(), strict=False, description="what must hold")
     optimiser: OptimiserName | None = Field(
         default=None,
-        description=f"{either([*OPTIMISERS])}; if not given, the one that suits the keys and objectives",
+        description=f"{either(OPTIMISERS)}; if not given, the one that suits the keys and objectives",
     )
     evaluations: int = Field(default=200, ge=1, le=1_000_000, description="of the model that searches, about")
     model: str | None = Field(default=None, description="the model that searches; linear if not given")
@@ -228,14 +228,11 @@ class RobustObjective:
         """
         if len(self.study.objectives) == 1:
             return list(members[:1])
-        evaluations = [
-            Outcome(np.zeros(0), np.array(self._losses(m.objectives, "judge")), np.zeros(0)) for m in members
-        ]
-        best = {id(evaluation) for evaluation in (Archive(evaluations).front if evaluations else [])}
-        front = [
-            member for member, evaluation in zip(members, evaluations, strict=True) if id(evaluation) in best
-        ]
-        losses = np.array([evaluation.losses for evaluation in evaluations if id(evaluation) in best])
+        rows = [np.array(self._losses(member.objectives, "judge")) for member in members]
+        outcomes = [Outcome(np.array([i]), row, np.zeros(0)) for i, row in enumerate(rows)]
+        chosen = pareto_front(outcomes)
+        front = [members[int(outcome.place[0])] for outcome in chosen]
+        losses = np.array([outcome.losses for outcome in chosen])
         order = list(range(len(front)))
         for i in range(1, len(front)):
             gaps = np.abs(losses[order[i:], None] - losses[order[:i]]) / (np.ptp(losses, axis=0) + 1e-300)

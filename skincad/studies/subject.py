@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, get_args
 
@@ -14,7 +15,6 @@ import numpy as np
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from skincad.base.arrays import Array
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.reading import text_of
 from skincad.base.result import key_of
@@ -299,10 +299,6 @@ class DesignVariable:
             return math.log(value / self.low) / math.log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
 
-    def shares(self, values: Sequence[float]) -> Array:
-        """Return the shares of several values."""
-        return np.array([self.share(value) for value in values])
-
     def values(self) -> tuple[Value, ...]:
         """Return the values that a grid takes: all choices, or `count` of the range, its ends among them."""
         if self.choices:
@@ -331,26 +327,32 @@ def knob(subject: Subject, key: str, choices_told: RangeText) -> DesignVariable:
     """
     field = field_of(subject, key)
     types = {float if kind is NumberWithRange else kind for kind in kinds(field) if isinstance(kind, type)}
-    start, unit = value_of(subject, key), _unit(subject, key)
+    whose, name = owner(subject, key)
+    unit = unit_of(type(whose), tuple(name.split(".")))
+    variable = partial(DesignVariable, key, unit, value_of(subject, key))
     parts = _parts(key, choices_told)
     if parts == [ALL]:
-        names = _catalogue(subject, key, field)
-        return DesignVariable(key, unit, start, choices=names)
+        return variable(choices=_catalogue(subject, key, field))
     numbers = [_number(part) for part in parts]
-    ranged = ":" in choices_told if isinstance(choices_told, str) else _is_range(choices_told)
-    if not ranged and {int, float} & types and str not in types and None in numbers:
-        raise InputError(key, "must be numbers", str(choices_told), FORM)
+    if isinstance(choices_told, str):
+        ranged = ":" in choices_told
+    else:  # a tuple of numbers is (low, high) or (low, high, count)
+        named = any(isinstance(part, str) for part in parts)
+        ranged = isinstance(choices_told, tuple) and len(parts) in (2, 3) and not named
     if not ranged:
         if not parts:
             raise InputError(key, "needs values", remedy=FORM)
+        if {int, float} & types and str not in types and None in numbers:
+            raise InputError(key, "must be numbers", str(choices_told), FORM)
         known = _catalogue(subject, key, field, must=False)
         for part in parts:
             if known and part not in known:
                 raise InputError(key, "unknown choice", part, did_you_mean(str(part), map(str, known)))
-        values = tuple(
-            p if n is None or known else _whole(n, types) for p, n in zip(parts, numbers, strict=True)
-        )
-        return DesignVariable(key, unit, start, choices=tuple(dict.fromkeys(values)))
+        values = [
+            part if n is None or known else int(n) if float not in types and n.is_integer() else n
+            for part, n in zip(parts, numbers, strict=True)
+        ]
+        return variable(choices=tuple(dict.fromkeys(values)))
     if len(parts) not in (2, 3) or any(n is None or not math.isfinite(n) for n in numbers):
         raise InputError(key, "must be a range of numbers", str(choices_told), FORM)
     if not {int, float} & types:
@@ -361,15 +363,8 @@ def knob(subject: Subject, key: str, choices_told: RangeText) -> DesignVariable:
         raise InputError(key, "is an empty range: its low end must lie below its high end", str(choices_told))
     if whole and not (low.is_integer() and high.is_integer()):
         raise InputError(key, "must be a range of whole numbers", str(choices_told))
-    return DesignVariable(
-        key=key,
-        unit=unit,
-        start=start,
-        low=low,
-        high=high,
-        whole=whole,
-        count=_count(key, numbers[2]) if len(parts) == 3 else None,
-    )
+    count = _count(key, numbers[2]) if len(parts) == 3 else None
+    return variable(low=low, high=high, whole=whole, count=count)
 
 
 def knobs(subject: Subject, vary: Mapping[str, RangeText]) -> tuple[DesignVariable, ...]:
@@ -389,11 +384,6 @@ def _parts(key: str, values: RangeText) -> list[Any]:
     return list(parts)
 
 
-def _is_range(values: Sequence[Any]) -> bool:
-    """Whether a Python sequence is (low, high) or (low, high, count): a tuple of numbers."""
-    return isinstance(values, tuple) and len(values) in (2, 3) and not any(isinstance(t, str) for t in values)
-
-
 def _number(part: Any) -> float | None:
     try:
         return None if isinstance(part, bool) else float(part)
@@ -401,19 +391,10 @@ def _number(part: Any) -> float | None:
         return None
 
 
-def _whole(number: float, types: set[Any]) -> float | int:
-    return number if float in types or not number.is_integer() else int(number)
-
-
 def _count(key: str, number: float | None) -> int:
     if number is None or not number.is_integer() or not 2 <= number <= MOST_VALUES:
         raise InputError(key, f"must have from 2 to {MOST_VALUES} values", number, "as in LOW:HIGH:10")
     return int(number)
-
-
-def _unit(subject: Subject, key: str) -> str:
-    whose, name = owner(subject, key)
-    return unit_of(type(whose), tuple(name.split(".")))
 
 
 def _catalogue(subject: Subject, key: str, field: Any, *, must: bool = True) -> tuple[Value, ...]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
@@ -18,12 +18,12 @@ from typing import Any, Literal
 
 from skincad.base.errors import InputError, require_number
 from skincad.base.progress import Tick
-from skincad.base.result import Result, bare_key, data_frame, item, record, reported
+from skincad.base.result import Result, data_frame, item, record, reported
 from skincad.inputs.design import Design
 from skincad.mechanics.models.table import MODELS, unsupported_reason, whole_price
 from skincad.mechanics.verdict import NextModel
-from skincad.studies.query import Evaluation, Query, first_able, question_of, resolved, worded
-from skincad.studies.running import Log, Run, Values
+from skincad.studies.query import Evaluation, Query, first_able, meant, question_of, resolved, worded
+from skincad.studies.running import Run, Values, log_in
 from skincad.studies.running import workers as working
 from skincad.studies.subject import DesignVariable, RangeText, Subject, Value, knobs
 
@@ -313,10 +313,8 @@ def sweep(
 
     with working(workers, dask) as who:
         rows = run.at(points, who, told)
-    if run.log is not None:
-        run.log.close()
-    there = {key for row in rows for key in named(row.results)}
-    wanted = {key: goal for key, goal in wanted.items() if asked or key in there}
+    run.log.close()
+    wanted = {k: goal for k, goal in wanted.items() if asked or any(meant(k, row.results) for row in rows)}
     rankings = tuple(ranking(rows, key, goal) for key, goal in wanted.items())
     seconds = perf_counter() - began
     of_row = seconds * workers / max(run.evaluated, 1)
@@ -334,34 +332,16 @@ def sweep(
     )
 
 
-def named(results: Iterable[str]) -> set[str]:
-    """Return results' keys, and these without their units."""
-    return {name for key in results for name in (key, bare_key(key))}
-
-
 def _best(rows: Sequence[Evaluation], wanted: Mapping[str, Goal]) -> str:
     """What the bar says: the best of the first ranking so far."""
     for key, goal in wanted.items():
-        results_of_rows = [row.results for row in rows if not row.refused]
-        known = [resolved(key, results) for results in results_of_rows[:1] if key in named(results)]
-        values = [
-            estimate.value
-            for results in results_of_rows
-            if known and (estimate := results.get(known[0])) and estimate.value is not None
-        ]
-        if values:
-            return f"best {worded(known[0], min(values) if goal == 'min' else max(values))}"
+        results = [row.results for row in rows if not row.refused]
+        name = meant(key, results[0]) if results else None
+        estimates = [row[name] for row in results if name is not None and name in row]
+        values = [estimate.value for estimate in estimates if estimate.value is not None]
+        if name and values:
+            return f"best {worded(name, min(values) if goal == 'min' else max(values))}"
     return "evaluating"
-
-
-def log_in(folder: Path | str | None, *, fresh: bool) -> Log | None:
-    """Return the log of a study's folder, to be gone on with, or with `fresh` from its end; None without."""
-    if folder is None:
-        return None
-    log = Log(Path(folder))
-    if fresh:
-        log.skip()
-    return log
 
 
 def points_of(subject: Subject, vary: Mapping[str, RangeText], sample: int | None = None) -> list[Values]:

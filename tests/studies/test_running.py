@@ -265,7 +265,7 @@ def test_kills_lose_and_repeat_nothing(most: int, count: int, tmp_path: Path) ->
     left.read()
     unbroken = Run(DESIGN, QUESTION)
     unbroken.at(many, Workers())
-    assert sorted(told([*left.evaluations.values()])) == sorted(told([*unbroken.evaluations.values()]))
+    assert sorted(told([*left.evaluations.values()])) == sorted(told([*unbroken.log.evaluations.values()]))
     assert len(log.read_bytes().splitlines()) == len(many)  # none twice
 
 
