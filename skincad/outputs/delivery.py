@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from skincad.base.errors import InputError, did_you_mean
+from skincad.base.faces import imported
 from skincad.base.outfolder import checked_folder, files_below, fresh, manifest_name, replaced
 from skincad.base.progress import Progress, Stopwatch
 from skincad.base.reading import strict_json
-from skincad.base.result import Result, Writer, output_named, with_picture
+from skincad.base.result import Result, Writer, with_picture
 from skincad.fabrication.papers import macro
 
 PICTURES = ("png", "gif")
@@ -154,7 +155,7 @@ def _ending(name: str) -> str:
 def drawn(name: str, home: str) -> Callable[[Any], dict[str, Callable[[], Any]]]:
     """Return the figures of results that have one: by its file's name what draws it, a function of
     outputs/figures as "results:fit_figure", imported when it draws."""
-    return lambda result: {name: lambda: output_named(f"skincad.outputs.figures.{home}")(result)}
+    return lambda result: {name: lambda: imported(f"skincad.outputs.figures.{home}")(result)}
 
 
 def text(of: Callable[[], str]) -> Writer:
