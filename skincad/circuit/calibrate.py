@@ -93,7 +93,7 @@ def calibrate(
 
     def misfit(point: Real) -> Real:
         safe_point()
-        rest = decibels(response(network(_constants(point, d33)), frequency)) - gain
+        rest = _distance(_constants(point, d33), frequency, gain)
         return np.asarray(rest - rest.mean())
 
     draw = np.random.default_rng(seed)
@@ -107,11 +107,10 @@ def calibrate(
     near = NEAR * (high - low)
     at_bound = (best.x - low < near) | (high - best.x < near)
     constants = _constants(best.x, d33)
-    rest = decibels(response(network(constants), frequency)) - gain
     return Calibration(
         constants=constants,
         rms=_rms(best.fun),
-        offset=float(-rest.mean()),
+        offset=float(-_distance(constants, frequency, gain).mean()),
         at_bounds=tuple(name for name, at in zip(FITTED, at_bound, strict=True) if at),
         combinations=combinations(best.jac),
         agreeing=sum(_rms(run.fun) <= 1.01 * _rms(best.fun) for run in good),
@@ -136,6 +135,10 @@ def combinations(jacobian: Real) -> tuple[Combination, ...]:
     )
 
 
+def _distance(c: Constants, frequency: Real, gain: Real) -> Real:
+    return decibels(response(network(c), frequency)) - gain
+
+
 def _between(c: Constants, frequency: Real, gain: Real) -> float:
     """Rms between the points too, with the motional branch's resonances: a sharp one could hide there."""
     low, high = float(frequency.min()), float(frequency.max())
@@ -145,7 +148,7 @@ def _between(c: Constants, frequency: Real, gain: Real) -> float:
     fine = np.sort([*np.geomspace(low, high, 10 * frequency.size), *resonances])
     order = np.argsort(frequency)
     wanted = np.interp(np.log(fine), np.log(frequency[order]), gain[order])
-    rest = decibels(response(network(c), fine)) - wanted
+    rest = _distance(c, fine, wanted)
     return _rms(rest - rest.mean())
 
 

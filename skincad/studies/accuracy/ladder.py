@@ -169,10 +169,7 @@ class Ladder:
         return [
             {
                 "ladder": self.name,
-                "model": trial.model,
-                "setting": trial.setting,
-                "unknowns": trial.unknowns,
-                "seconds": trial.seconds,
+                **{key: getattr(trial, key) for key in ("model", "setting", "unknowns", "seconds")},
                 "error": trial.errors.get(first),
                 "errors": trial.errors,
                 "spread_s": max(trial.runs) - min(trial.runs),
@@ -183,22 +180,12 @@ class Ladder:
 
     def reference(self) -> dict[str, Any]:
         """Return what the trials are held against, by measure, and what was skipped."""
-        measures: dict[str, Any] = {
-            m.name: {
-                "error": m.what,
-                "unit": m.unit,
-                "reference": m.reference,
-                "checked": m.checked,
-                "own_error": m.floor,
-                "times_compare_between_models": m.compares,
-            }
-            for m in self.measures
-        }
-        matched = {
-            m.name: [
+        measures, matched = dict[str, Any](), dict[str, Any]()
+        for m in self.measures:
+            facts = {"error": m.what, "unit": m.unit, "reference": m.reference, "checked": m.checked}
+            measures[m.name] = {**facts, "own_error": m.floor, "times_compare_between_models": m.compares}
+            matched[m.name] = [
                 {"error": error, "seconds": {trial.model: trial.seconds for trial in trials}}
                 for error, trials in self.matched(m).items()
             ]
-            for m in self.measures
-        }
         return {**measures, "skipped": self.skipped, "at_matched_error": matched}
