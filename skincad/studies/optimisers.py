@@ -162,7 +162,7 @@ class OptunaSearch:
         self._space = {f"x{i}": self._distribution(i) for i in range(len(self.knobs))}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)  # interfaces may change
-            sampler = self._nsga2() if self.sampler == "nsga2" else self._tpe()
+            sampler, self._batch, first = self._sampler(optuna.samplers)
         self._study = optuna.create_study(directions=["minimize"] * self.losses, sampler=sampler)
         self._asked = set[tuple[float, ...]]()
         for evaluation in known:
@@ -176,7 +176,7 @@ class OptunaSearch:
                     constraints={"limits": broken},
                 )
             )
-        for place in self._first():
+        for place in first:
             self._study.enqueue_trial(self._parameters(place))
 
     def _distribution(self, number: int) -> Any:
@@ -185,30 +185,24 @@ class OptunaSearch:
             return kinds.CategoricalDistribution(steps)
         return kinds.IntDistribution(0, len(steps) - 1) if steps else kinds.FloatDistribution(0.0, 1.0)
 
-    def _tpe(self) -> Any:
-        self._batch = TPE_BATCH
-        first = min(10, self.budget // 4)  # at random; the library's own 10 are many of a few evaluations
-        return self._optuna.samplers.TPESampler(seed=self.seed, multivariate=True, n_startup_trials=first)
-
-    def _nsga2(self) -> Any:
-        """With Deb's own operators: on ZDT1 the library's defaults need several times the evaluations."""
-        self._batch, samplers = POPULATION, self._optuna.samplers
-        return samplers.NSGAIISampler(
+    def _sampler(self, samplers: Any) -> tuple[Any, int, Sequence[Array]]:
+        """The sampler, how many places it asks for at once, and with which it begins."""
+        if self.sampler == "tpe":
+            first = min(10, self.budget // 4)  # at random; the library's own 10 are many of a few evaluations
+            tpe = samplers.TPESampler(seed=self.seed, multivariate=True, n_startup_trials=first)
+            return tpe, TPE_BATCH, [] if self.start is None else [self.start]
+        # Deb's own operators: on ZDT1 the library's defaults need several times the evaluations
+        nsga2 = samplers.NSGAIISampler(
             population_size=POPULATION,
             seed=self.seed,
             crossover=samplers.nsgaii.SBXCrossover(eta=10),
             mutation=samplers.nsgaii.PolynomialMutation(),
         )
-
-    def _first(self) -> Sequence[Array]:
-        """The start; of NSGA-II a generation around it, or over the cube."""
-        if self.sampler == "tpe":
-            return [] if self.start is None else [self.start]
         points: Array = np.asarray(qmc.Sobol(len(self.knobs), rng=self.seed).random(64)[:POPULATION])
-        if self.start is None:
-            return list(points)
-        around = np.clip(self._random.normal(self.start, MUTATED, points.shape), 0.0, 1.0)
-        return list(np.where(np.arange(len(points))[:, None] % 2, points, around))
+        if self.start is not None:  # every second place lies around it
+            around = np.clip(self._random.normal(self.start, MUTATED, points.shape), 0.0, 1.0)
+            points = np.where(np.arange(len(points))[:, None] % 2, points, around)
+        return nsga2, POPULATION, list(points)
 
     def ask(self) -> list[Array]:
         """Return the next places."""

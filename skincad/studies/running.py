@@ -81,7 +81,6 @@ class Log:
             os.ftruncate(handle, whole)
             self.torn = True
         try:
-            os.lseek(handle, whole, os.SEEK_SET)
             while line:
                 line = line[os.write(handle, line) :]
         except OSError:
@@ -146,7 +145,8 @@ class Log:
     def _opened(self) -> Iterator[int]:
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            handle = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            how = os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC
+            handle = os.open(self.path, how, 0o644)
             try:
                 yield handle
             finally:
