@@ -62,7 +62,8 @@ def advising(
         return
     advised = replace(verdict, cause=cause(design, verdict))
     yield advised
-    search = _Search(design, verdict, progress, math.inf if budget is None else perf_counter() + budget)
+    deadline = math.inf if budget is None else perf_counter() + budget
+    search = _Search(design, verdict, progress or (lambda *_: None), deadline)
     for key in LEVERS:
         search.cheap = False
         change = _change(key, search)
@@ -121,7 +122,7 @@ class _Search:
 
     design: Design
     verdict: ContactCheck
-    progress: Progress | None
+    progress: Progress
     deadline: float
     guide: str = ""
     checks: bool = True
@@ -152,9 +153,8 @@ class _Search:
         """Return a model's check of the design with one key changed; None where that is refused."""
         try:
             design: Any = changed(self.design, {key: value}) if key else self.design
-            if self.progress:
-                what = f"{key.rpartition('.')[2]} {value}" if key else "as it is"
-                self.progress(f"{what} by {model}")
+            what = f"{key.rpartition('.')[2]} {value}" if key else "as it is"
+            self.progress(f"{what} by {model}")
             tol = mesh_tolerance(model, None)
             return check(design, force=self.verdict.force, model=model, tol=tol)
         except (InputError, RefusedError):

@@ -253,14 +253,10 @@ def _settle(state: Search) -> None:
     """Tell roots, one of neighbours between which the model is within tolerance too, and jumps."""
     x, y = state.points
     off = np.abs(y - state.wanted)
-    groups: list[list[int]] = []
-    for i in np.flatnonzero(off <= state.tol).tolist():
-        beside = groups and i == groups[-1][-1] + 1
-        if beside and abs(state.model((x[i - 1 : i] + x[i]) / 2)[0] - state.wanted) <= state.tol:
-            groups[-1].append(i)
-        else:
-            groups.append([i])
-    state.roots = [float(x[min(group, key=off.__getitem__)]) for group in groups]
+    hits = np.flatnonzero(off <= state.tol)
+    apart = np.abs(state.model((x[:-1] + x[1:]) / 2) - state.wanted) > state.tol
+    groups = np.split(hits, 1 + np.flatnonzero((np.diff(hits) > 1) | apart[hits[:-1]]))
+    state.roots = [float(x[group[np.argmin(off[group])]]) for group in groups if len(group)]
     turned = (np.diff(y > state.wanted)) & (np.minimum(off[:-1], off[1:]) > state.tol)
     state.jumps = ((x[:-1] + x[1:]) / 2)[turned & (np.diff(x) <= CLOSE)].tolist()
 

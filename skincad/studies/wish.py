@@ -215,7 +215,8 @@ def design_for(
     rows = listed_silicones(base.silicones)
     tough = [key for key, row in rows.items() if (row.elongation_at_break or 0.0) >= TOUGH]
     tough.sort(key=lambda key: -rows[key].young_modulus.value)
-    search = _Search(wish, [silicone] if silicone else tough, progress, began)
+    names = [silicone] if silicone else tough
+    search = _Search(wish, names, progress or (lambda *_: None), began)
     design, verdict = search.result()
     given = {"skin": size, "material.name": silicone, "skin.thickness": thickness}
     return WishResult(
@@ -282,7 +283,7 @@ class _Search:
 
     asked: Wish
     names: Sequence[str]
-    progress: Progress | None
+    progress: Progress
     began: float
     given_up: dict[str, str] = field(default_factory=dict)
     thickest: float = 1.0  # of the usual thickness: the usual one first
@@ -312,13 +313,9 @@ class _Search:
             return flat, self._last_check(flat)
         return design, verdict
 
-    def _report(self, stage: str) -> None:
-        if self.progress:
-            self.progress(stage)
-
     def _flat_design(self) -> Design:
         """The first castable flat design that is soft enough by the closed form; or else the nearest."""
-        self._report("shape and mold")
+        self.progress("shape and mold")
         wish = self.asked = replace(self.asked, silicone=self.names[0])
         while True:
             try:
@@ -404,7 +401,7 @@ class _Search:
         model = "auto" if last or self.thickest == 1.0 else first_able(MODELS, design)
         if (design, model) not in self.seen:
             radius, force = design.skin.curvature_radius, design.contact.force
-            self._report("last check" if last else f"radius {radius:g} at {force:g} N")
+            self.progress("last check" if last else f"radius {radius:g} at {force:g} N")
             tol = None if model == "auto" else mesh_tolerance(model, None)
             self.seen[design, model] = check(design, model=model, tol=tol)
         self.verdict = self.seen[design, model]
