@@ -90,7 +90,7 @@ def feasible(given: Given, found: Design, seed: int) -> bool:
             size = room(design)
         except (InputError, RefusedError):
             continue
-        if size is not None:
+        if size:
             tried.append((size, design))
     checked = 0
     for _, design in sorted(tried, key=lambda one: -one[0]):

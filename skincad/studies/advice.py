@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from time import perf_counter
+from typing import Any
 
 from scipy import optimize
 
@@ -23,7 +24,6 @@ from skincad.studies.query import first_able
 from skincad.studies.solving import MODELS
 from skincad.studies.subject import changed, value_of
 
-DIGITS = 2  # of a value that is proposed
 AIM = 0.95  # of the asked force: what the change's force with its error is to be
 GUESS = 1.2  # the upper end of an all-touch force over its value, while no model has given one
 NEAR = 0.05  # relative: how near to the aim is enough
@@ -31,35 +31,9 @@ ENDS, STEPS, AGAIN = 3, 6, 2  # evaluations for the range's end, on the way, and
 EVALUATIONS = 4  # that a search takes as a rule
 UNSURE = 3.0  # the closed form's scaled force may be off by this factor; beyond it no costly model is run
 PATIENCE = 10.0  # s; how long the commands look for advice at least
-
-
-@dataclass(frozen=True)
-class _Lever:
-    """A key that changes the force needed, looked for from `low` to `high`, times its value if `times`."""
-
-    key: str
-    low: float
-    high: float
-    times: bool = True
-
-    @property
-    def grows(self) -> bool:
-        """Whether larger values help."""
-        return not self.times or self.high > 1
-
-    def end(self, value: float) -> float:
-        """Return the value that helps most."""
-        far = self.high if self.grows else self.low
-        return far * value if self.times else far
-
-
-MODULUS = "material.young_modulus"
-LEVERS = (
-    _Lever("ridge.levelling", 0.0, 1.0, times=False),
-    _Lever("skin.curvature_radius", 1.0, 8.0),
-    _Lever(MODULUS, 1 / 8, 1.0),
-    _Lever("skin.length", 1 / 8, 1.0),
-)
+LEVELLING, MODULUS = "ridge.levelling", "material.young_modulus"
+# keys that change the force needed, and how far one may go: times its value, of levelling to this value
+LEVERS = {LEVELLING: 1.0, "skin.curvature_radius": 8.0, MODULUS: 1 / 8, "skin.length": 1 / 8}
 
 
 def advise(
@@ -88,12 +62,13 @@ def advising(
         return
     advised = replace(verdict, cause=cause(design, verdict))
     yield advised
-    search = _Search(design, verdict, progress, None if budget is None else perf_counter() + budget)
-    for lever in LEVERS:
+    deadline = math.inf if budget is None else perf_counter() + budget
+    search = _Search(design, verdict, progress or (lambda *_: None), deadline)
+    for key in LEVERS:
         search.cheap = False
-        change = _change(design, lever, search)
+        change = _change(key, search)
         if search.cheap and (change is None or change.model):
-            search.hurried.append(lever.key)
+            search.hurried.append(key)
         if change:
             advised = replace(advised, changes=(*(advised.changes or ()), change))
             yield advised
@@ -104,8 +79,12 @@ def advising(
             f"to end within {budget:.2g} s, {keys} got cheaper models; --advice takes the time that it needs"
         )
     if search.notes or advised.changes is None:
-        notes, hurried = tuple(search.notes), bool(search.hurried)
-        yield replace(advised, changes=advised.changes or (), changes_notes=notes, search_cut_short=hurried)
+        yield replace(
+            advised,
+            changes=advised.changes or (),
+            changes_notes=tuple(search.notes),
+            search_cut_short=bool(search.hurried),
+        )
 
 
 def seconds_for_advice(
@@ -138,84 +117,81 @@ class _Search:
 
     `guide` looks for a value, `checks` says whether the verdict's own model checks it. `deadline` is a
     perf_counter time; if it is too near, the models are `cheap`. `hurried` lists the keys that therefore have
-    no checked change.
+    no checked change. `forces` are the design's all-touch forces, N, by model.
     """
 
     design: Design
     verdict: ContactCheck
-    progress: Progress | None
-    deadline: float | None
+    progress: Progress
+    deadline: float
     guide: str = ""
     checks: bool = True
     cheap: bool = False
     hurried: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
-    forces: dict[str, Estimate] = field(default_factory=dict)  # of the design as it is, by model
 
     def __post_init__(self) -> None:
-        for run in self.verdict.models_tried:
-            self.forces[run.model] = run.all_touch_force
-        self.forces[self.verdict.model] = self.verdict.all_touch_force
+        self.forces = {run.model: run.all_touch_force.value for run in self.verdict.models_tried}
+        self.forces[self.verdict.model] = self.verdict.all_touch_force.value
         self.usual = self.verdict.model if self.verdict.model in MODELS else first_able(MODELS, self.design)
 
     def plan(self) -> None:
         """Choose the models for a change: the best pair for which the time that is left will do."""
-        left = math.inf if self.deadline is None else self.deadline - perf_counter()
-        before = {run.model: run.seconds for run in self.verdict.models_tried}
-        whole = self.verdict.seconds["total"]
-        once = (
-            whole
-            if self.usual == self.verdict.model
-            else before.get("linear", 0.0) + before.get(self.usual, 0.0)
-        )
-        search = {self.usual: EVALUATIONS * (once or whole), "winkler": 0.0}
+        left, whole = self.deadline - perf_counter(), self.verdict.seconds["total"]
+        once = whole
+        if self.usual != self.verdict.model:
+            before = {run.model: run.seconds for run in self.verdict.models_tried}
+            once = before.get("linear", 0.0) + before.get(self.usual, 0.0) or whole
         pairs = [(self.usual, True), ("winkler", True), (self.usual, False), ("winkler", False)]
+        seconds = {self.usual: EVALUATIONS * once, "winkler": 0.0}
         self.guide, self.checks = next(
-            ((guide, checks) for guide, checks in pairs if search[guide] + checks * whole <= left), pairs[-1]
+            ((guide, checks) for guide, checks in pairs if seconds[guide] + checks * whole <= left), pairs[-1]
         )
         self.cheap = self.cheap or (self.guide, self.checks) != pairs[0]
 
-    def force(self, model: str, key: str = "", value: object = None) -> ContactCheck | None:
+    def check(self, model: str, key: str = "", value: float | str = 0.0) -> ContactCheck | None:
         """Return a model's check of the design with one key changed; None where that is refused."""
         try:
-            design = changed(self.design, {key: value}) if key else self.design  # type: ignore[dict-item]
-            if self.progress:
-                self.progress(
-                    f"{key.rpartition('.')[2]} {value} by {model}" if key else f"as it is by {model}"
-                )
-            return check(
-                design,  # type: ignore[arg-type]
-                force=self.verdict.force,
-                model=model,
-                tol=mesh_tolerance(model, None),
-            )
+            design: Any = changed(self.design, {key: value}) if key else self.design
+            what = f"{key.rpartition('.')[2]} {value}" if key else "as it is"
+            self.progress(f"{what} by {model}")
+            tol = mesh_tolerance(model, None)
+            return check(design, force=self.verdict.force, model=model, tol=tol)
         except (InputError, RefusedError):
             return None
 
+    def force(self, model: str, key: str = "", value: float = 0.0) -> float | None:
+        """Return the all-touch force, N, of such a check."""
+        verdict = self.check(model, key, value)
+        return verdict.all_touch_force.value if verdict else None
+
     def scale(self) -> float:
         """Return the upper end of the verdict's all-touch force over the guide's value of it."""
-        if self.guide not in self.forces and (rough := self.force(self.guide)):
-            self.forces[self.guide] = rough.all_touch_force
-        needed, rough_force = self.verdict.all_touch_force, self.forces.get(self.guide)
-        less = (rough_force.value if rough_force else None) or needed.value
+        if self.guide not in self.forces:
+            self.forces[self.guide] = self.force(self.guide)
+        needed = self.verdict.all_touch_force
+        less = self.forces[self.guide] or needed.value
         return needed.upper / less if needed.upper and less else GUESS
 
 
-def _change(design: Design, lever: _Lever, search: _Search) -> Change | None:
+def _change(key: str, search: _Search) -> Change | None:
     """Return the least change of one key with which the design passes, None where none in reach does."""
-    before = value_of(design, lever.key)
-    if lever.key == MODULUS and design.material.name is not None:
-        return _other_silicone(design, search)
-    if not isinstance(before, int | float) or lever.end(before) == before:
+    before = value_of(search.design, key)
+    if key == MODULUS and search.design.material.name is not None:
+        return _other_silicone(search)
+    if not isinstance(before, int | float):
+        return None
+    far = LEVERS[key] if key == LEVELLING else LEVERS[key] * before
+    if far == before:
         return None
     more = 1.0
     for _ in range(AGAIN):
         search.plan()
         scale = more * search.scale()
-        value = _crossing(lever, float(before), AIM * search.verdict.force / scale, search)
+        value = _crossing(key, float(before), far, AIM * search.verdict.force / scale, search)
         if value is None:
             return None
-        change, short = _checked(lever.key, before, value, scale, search)
+        change, short = _checked(key, before, value, scale, search)
         if change or short is None:
             return change
         more *= short
@@ -227,19 +203,16 @@ def _checked(
 ) -> tuple[Change | None, float | None]:
     """Return the change if it passes; else by what factor it fell short, None where that is not known."""
     verdict = search.verdict
-    model = verdict.model if search.checks else search.guide
-    better = search.force(model, key, after)
+    better = search.check(verdict.model if search.checks else search.guide, key, after)
     if better is None:
         return None, None
-    needed = better.all_touch_force
+    needed, known = better.all_touch_force, verdict.all_touch_force
     if not search.checks:
         upper = scale * (needed.value or 0.0)
         if needed.value is None or upper > verdict.force:
             return None, None
-        known = verdict.all_touch_force
-        error = (known.error or 0.0) / known.value if known.value else 0.0
-        value = upper / (1 + error)
-        return Change(key, before, after, Estimate(value, upper - value, "N"), model), None
+        value = upper / (1 + ((known.error or 0.0) / known.value if known.value else 0.0))
+        return Change(key, before, after, Estimate(value, upper - value, "N"), search.guide), None
     if better.passed and not exceeds_model(changed(search.design, {key: after}), better):  # type: ignore[arg-type]
         return Change(key, before, after, needed), None
     if needed.upper is None or needed.value is None:
@@ -247,97 +220,85 @@ def _checked(
     return None, GUESS * needed.upper / (AIM * verdict.force)
 
 
-def _crossing(lever: _Lever, before: float, wanted: float, search: _Search) -> float | None:
-    """Return the least change at which the guide's all-touch force is about `wanted` N or less.
+def _crossing(key: str, before: float, far: float, wanted: float, search: _Search) -> float | None:
+    """Return the value nearest to `before`, up to `far`, with a guide's force of about `wanted` N or less.
 
     The search takes the force to fall all the way: it looks for one value, and never says that there is none.
     """
-    forces: dict[float, float] = {}
+    start = search.forces[search.guide]
+    if start is None or start <= wanted:
+        return None
+    if search.guide != "winkler":  # the closed form, off by the same factor everywhere or UNSURE times that
+        here, there = search.force("winkler"), search.force("winkler", key, far)
+        if here and there is not None and start * there / here > UNSURE * wanted:
+            return None
+    forces: dict[float, float | None] = {before: start}
 
     def needed(value: float) -> float | None:
         if value not in forces:
-            rough = search.force(search.guide, lever.key, value)
-            if rough is None or rough.all_touch_force.value is None:
-                return None
-            forces[value] = rough.all_touch_force.value
+            forces[value] = search.force(search.guide, key, value)
         return forces[value]
 
-    start = search.forces.get(search.guide)
-    if (
-        start is None
-        or start.value is None
-        or start.value <= wanted
-        or _hopeless(lever, before, wanted, search)
-    ):
-        return None
-    forces[before], far = start.value, lever.end(before)
+    def between(part: float) -> float:
+        """The value at a part of the way to the far one: by ratio, but for levelling."""
+        if part in (0.0, 1.0):
+            return far if part else before
+        return before + (far - before) * part if key == LEVELLING else before * (far / before) ** part
+
     for _ in range(ENDS):
         if needed(far) is not None:
             break
-        far = (
-            math.sqrt(far * before) if lever.times else (far + before) / 2
-        )  # refused: nearer to what there is
-    if far not in forces or forces[far] > wanted * (1 + NEAR):
+        far = between(0.5)  # refused: nearer to what there is
+
+    def reached(value: float) -> bool:
+        force = forces.get(value)
+        return force is not None and force <= wanted * (1 + NEAR)
+
+    if not reached(far):
         return None
 
-    def off(place: float) -> float:
-        value = before * (far / before) ** place if lever.times else before + (far - before) * place
-        value = far if place == 1.0 else before if place == 0.0 else value
-        force = needed(value)
+    def off(part: float) -> float:
+        force = needed(between(part))
         if force is None:
             raise RefusedError("refused on the way")
         return 0.0 if abs(force / wanted - 1) <= NEAR else math.log(max(force, 1e-9 * wanted) / wanted)
 
     with suppress(RefusedError):  # what is known by then counts
         optimize.brentq(off, 0.0, 1.0, xtol=1e-3, maxiter=STEPS, disp=False)
-    enough = [value for value, force in forces.items() if force <= wanted * (1 + NEAR)]
-    return _rounded(min(enough, key=lambda value: abs(value - before)), up=lever.grows)
+    nearest = min(filter(reached, forces), key=lambda value: abs(value - before))
+    return two_digits(nearest, up=LEVERS[key] >= 1)
 
 
-def _hopeless(lever: _Lever, before: float, wanted: float, search: _Search) -> bool:
-    """Whether the closed form, off by the same factor everywhere or UNSURE times that, reaches nothing like
-    what is wanted: then no costly model is run."""
-    if search.guide == "winkler":
-        return False
-    here, there = search.force("winkler"), search.force("winkler", lever.key, lever.end(before))
-    if not here or not there or not here.all_touch_force.value or there.all_touch_force.value is None:
-        return False
-    ratio = there.all_touch_force.value / here.all_touch_force.value
-    return (search.forces[search.guide].value or 0.0) * ratio > UNSURE * wanted
-
-
-def _other_silicone(design: Design, search: _Search) -> Change | None:
+def _other_silicone(search: _Search) -> Change | None:
     """Return the hardest silicone with which the design passes: forces grow with the modulus. Where none in
     the list is soft enough, a note says so."""
-    needed, name = search.verdict.all_touch_force, str(design.material.name)
+    design, needed = search.design, search.verdict.all_touch_force
     if not needed.upper:
         return None
-    modulus = silicone(design).young_modulus.value
-    wanted = modulus * AIM * search.verdict.force / needed.upper
+    wanted = silicone(design).young_modulus.value * AIM * search.verdict.force / needed.upper
     listed = {other: row.young_modulus.value for other, row in silicones(design.silicones).items()}
-    softer = sorted((row for row in listed.items() if row[1] <= wanted), key=lambda row: -row[1])
-    for other, _ in softer[:AGAIN]:
+    softer = sorted((name for name in listed if listed[name] <= wanted), key=lambda name: -listed[name])
+    for name in softer[:AGAIN]:
         search.plan()
-        change, _ = _checked("material.name", name, other, search.scale(), search)
+        change, _ = _checked("material.name", str(design.material.name), name, search.scale(), search)
         if change:
             return change
-    softest = min(listed, key=lambda other: listed[other])
     if softer:
-        names = " and ".join(other for other, _ in softer[:AGAIN])
         search.notes.append(
             f"it takes about {wanted:.2g} MPa; the {search.verdict.model} model can't confirm that the "
-            f"design passes with {names}"
+            f"design passes with {' and '.join(softer[:AGAIN])}"
         )
-        return None
-    search.notes.append(
-        f"no silicone in the list was found soft enough: it takes about {wanted:.2g} MPa, and the softest, "
-        f"{softest}, has {listed[softest]:.2g} MPa"
-    )
+    else:
+        softest = min(listed, key=lambda name: listed[name])
+        search.notes.append(
+            f"no silicone in the list was found soft enough: it takes about {wanted:.2g} MPa, and the "
+            f"softest, {softest}, has {listed[softest]:.2g} MPa"
+        )
     return None
 
 
-def _rounded(value: float, *, up: bool) -> float:
-    """A value of DIGITS digits, the next above or below: the change is rather too large."""
-    unit = 10.0 ** (math.floor(math.log10(value)) + 1 - DIGITS)
+def two_digits(value: float, *, up: bool) -> float:
+    """Return the next value of two digits, above or below: a change is rather too large."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
     steps = round(value / unit, 9)  # 9: 4.2 is 42 tenths, not 42.000000000000007
     return float(f"{(math.ceil(steps) if up else math.floor(steps)) * unit:.12g}")

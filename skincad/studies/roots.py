@@ -31,7 +31,7 @@ CLOSE = 1e-5  # of the range: two ends of a crossing nearer than this are a jump
 SMALL = 1e-4  # of the largest value: with smaller ones logarithms would make much of little
 LEAST = 0.01  # of a guide's largest value; a smaller one is taken as this, for what is divided by it
 UNSURE = 1.5  # by which factor a guide may be off where nothing was evaluated
-BENT = 2.0  # by which factor a function may be more curved, or steeper, than its points tell
+BENT = 3.0  # by which factor a function may be more curved, or steeper, than its points tell
 PROBE = 0.04  # of a range: the step of the first slopes
 TRUST, SMALLEST = 0.5, 1e-4  # of a range: how far a step goes at first, and where it is given up
 STILL = 0.01  # of a range: a better place this near is not worth an evaluation
@@ -159,11 +159,12 @@ def _crossing(state: Search) -> float | None:
     at = np.unique([*GRID, *state.seen])
     off = state.model(at) - state.wanted
     x, y = state.points
-    for i, j in pairwise([-1, *np.flatnonzero(~(np.abs(off) <= state.tol)).tolist(), len(at)]):
-        low, high = max(i, 0), min(j, len(at) - 1)
-        known = any(place in state.seen for place in at[i + 1 : j])
-        if known or (j == i + 1 and not off[low] * off[high] < 0):
+    edges = np.array([-1, *np.flatnonzero(~(np.abs(off) <= state.tol)), len(at)])
+    lows, highs = np.maximum(edges[:-1], 0), np.minimum(edges[1:], len(at) - 1)
+    for i in np.flatnonzero((np.diff(edges) > 1) | (off[lows] * off[highs] < 0)).tolist():
+        if any(place in state.seen for place in at[edges[i] + 1 : edges[i + 1]]):
             continue
+        low, high = int(lows[i]), int(highs[i])
         turns = low + np.flatnonzero(off[low:high] * off[low + 1 : high + 1] < 0)
         nearest = float(at[low + np.argmin(np.abs(off[low : high + 1]))])
         place = _zero(at, off, turns[0]) if len(turns) else nearest
@@ -252,14 +253,10 @@ def _settle(state: Search) -> None:
     """Tell roots, one of neighbours between which the model is within tolerance too, and jumps."""
     x, y = state.points
     off = np.abs(y - state.wanted)
-    groups: list[list[int]] = []
-    for i in np.flatnonzero(off <= state.tol).tolist():
-        beside = groups and i == groups[-1][-1] + 1
-        if beside and abs(state.model((x[i - 1 : i] + x[i]) / 2)[0] - state.wanted) <= state.tol:
-            groups[-1].append(i)
-        else:
-            groups.append([i])
-    state.roots = [float(x[min(group, key=off.__getitem__)]) for group in groups]
+    hits = np.flatnonzero(off <= state.tol)
+    apart = np.abs(state.model((x[:-1] + x[1:]) / 2) - state.wanted) > state.tol
+    groups = np.split(hits, 1 + np.flatnonzero((np.diff(hits) > 1) | apart[hits[:-1]]))
+    state.roots = [float(x[group[np.argmin(off[group])]]) for group in groups if len(group)]
     turned = (np.diff(y > state.wanted)) & (np.minimum(off[:-1], off[1:]) > state.tol)
     state.jumps = ((x[:-1] + x[1:]) / 2)[turned & (np.diff(x) <= CLOSE)].tolist()
 

@@ -10,8 +10,8 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from operator import itemgetter
 from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 
@@ -36,6 +36,7 @@ from skincad.mechanics.validity import (
 )
 from skincad.mechanics.verdict import ContactCheck
 from skincad.shape.skin import skin_of
+from skincad.studies.advice import two_digits
 from skincad.studies.query import first_able
 from skincad.studies.solving import MODELS
 from skincad.studies.wish_reasons import BrokenWish, Choice, broken_wishes, choices
@@ -45,7 +46,7 @@ from skincad.studies.wish_shapes import (
     WHATEVER_THE_RIDGES,
     ObstacleError,
     Wish,
-    check_castable,
+    castable_obstacle,
     combs,
     design_of,
     radius_for,
@@ -61,8 +62,6 @@ USUAL = "usual"
 USUAL_SIZE, USUAL_TOUCH = (24.0, 30.0), 1.0  # mm, N
 USUAL_PROCESS, USUAL_FILM = "sla", "pvdf-28um"  # a desktop printer; a gauge that is sold
 SMALLEST, LARGEST = 5.0, 200.0  # mm
-THINNEST_SKIN, THICKEST_SKIN = 1.0, 50.0  # mm
-LIGHTEST, HEAVIEST = 0.02, 500.0  # N
 TOUGH = 3.0  # least elongation at break of a silicone that is chosen: it is pulled out of a mold
 PASSING = 0.9  # of all parts
 AIM = 0.95  # the same, by the search's model
@@ -81,11 +80,15 @@ MOST_FORMS = 80  # shapes whose mold is looked at
 SECONDS = 28.0  # in which a wish is to be answered
 LEAST_SECONDS = 6.0  # of the last check
 _UNITS = {"": 1.0, "mm": 1.0, "cm": 10.0, "in": 25.4, "um": 1e-3, "µm": 1e-3, "N": 1.0, "mN": 1e-3}
-_NUMBER = r"(\d+(?:\.\d*)?|\.\d+)\s*"
-_SIZE = re.compile(rf"\s*{_NUMBER}(mm|cm|in)?\s*[x*\u00d7]\s*{_NUMBER}(mm|cm|in)?\s*")
-_LENGTH = re.compile(rf"\s*{_NUMBER}(mm|cm|in)?\s*")
-_FORCE = re.compile(rf"\s*{_NUMBER}(N|mN)?\s*")
-_FILM = re.compile(rf"\s*(?:pvdf-?)?{_NUMBER}(um|µm|mm)?\s*", re.IGNORECASE)
+_NUMBER, _LENGTH = r"(\d+(?:\.\d*)?|\.\d+)\s*", r"(mm|cm|in)?\s*"
+_SIZE = rf"\s*{_NUMBER}{_LENGTH}[x*\u00d7]\s*{_NUMBER}{_LENGTH}"
+_FILM = rf"(?i:(?:pvdf-?)?{_NUMBER}(um|µm|mm)?\s*)"
+# a text's pattern, rule and example, and the unit that its number has without one; the ends, and their unit
+_AMOUNTS = {
+    "touch": (rf"{_NUMBER}(N|mN)?\s*", "a force", "as in 1N or 500mN", "", (0.02, 500.0), "N"),
+    "thickness": (rf"{_NUMBER}{_LENGTH}", "a length", "as in 8 or 8mm", "", (1.0, 50.0), "mm"),
+    "film": (_FILM, "a thickness, or none", "as in pvdf-28um or 0.028mm", "um", (0.004, 0.5), "mm"),
+}
 
 
 @record()
@@ -215,18 +218,18 @@ def design_for(
     face = gripper_named(gripper, base.grippers or {}) if gripper else None
     width, length = size_of(size, face)
     wish = replace(wish, width=width, length=length)
-    names = [silicone] if silicone else _tough(base)
-    search = _Search(wish, names, progress, began)
+    # those that can be pulled out of a mold, the hardest first
+    rows = listed_silicones(base.silicones)
+    tough = [key for key, row in rows.items() if (row.elongation_at_break or 0.0) >= TOUGH]
+    tough.sort(key=lambda key: -rows[key].young_modulus.value)
+    names = [silicone] if silicone else tough
+    search = _Search(wish, names, progress or (lambda *_: None), began)
     design, verdict = search.result()
+    given = {"skin": size, "material.name": silicone, "skin.thickness": thickness}
     return WishResult(
         design=design,
         check=verdict,
-        choices=choices(
-            design,
-            asked_size=size is not None,
-            asked_silicone=silicone is not None,
-            asked_thickness=thickness is not None,
-        ),
+        choices=choices(design, [key for key, value in given.items() if value is not None]),
         trade=trade(design, verdict),
         warnings=thick_warnings(design, face),
         broken=broken_wishes(wish, design, search.given_up, meets(verdict)),
@@ -239,7 +242,7 @@ def size_of(size: str | tuple[float, float] | None, face: Gripper | None = None)
     if size is None:
         return (face.width, face.length) if face else USUAL_SIZE
     if isinstance(size, str):
-        match = _SIZE.fullmatch(size)
+        match = re.fullmatch(_SIZE, size)
         if match is None:
             raise InputError("size", "must be width x length", size, "as in 24x30 or 2.4x3cm")
         unit = match[4] or match[2] or ""
@@ -252,64 +255,32 @@ def size_of(size: str | tuple[float, float] | None, face: Gripper | None = None)
     return float(size[0]), float(size[1])
 
 
-def force_of(touch: str | float) -> float:
-    """Return a force, N."""
-    told = "must be a force", "as in 1N or 500mN"
-    return _amount("touch", touch, _FORCE, told, (LIGHTEST, HEAVIEST), "N")
-
-
-def thickness_of(thickness: str | float) -> float:
-    """Return a skin's thickness, mm."""
-    told = "must be a length", "as in 8 or 8mm"
-    return _amount("thickness", thickness, _LENGTH, told, (THINNEST_SKIN, THICKEST_SKIN), "mm")
-
-
-def _amount(
-    key: str,
-    value: str | float,
-    pattern: re.Pattern[str],
-    told: tuple[str, str],
-    ends: tuple[float, float],
-    unit: str,
-) -> float:
-    """A number, or a text with a unit, between two ends; `told` is the rule of the text, and an example."""
+def _amount(key: str, value: str | float) -> float:
+    """A number of _AMOUNTS, or a text with a unit, between its ends."""
+    pattern, kind, example, usual, (low, high), unit = _AMOUNTS[key]
     if isinstance(value, str):
-        match = pattern.fullmatch(value)
+        match = re.fullmatch(rf"\s*{pattern}", value)
         if match is None:
-            raise InputError(key, told[0], value, told[1])
-        value = float(match[1]) * _UNITS[match[2] or ""]
-    low, high = ends
+            raise InputError(key, f"must be {kind}", value, example)
+        written = match[2] or usual
+        value = float(match[1]) * _UNITS[written if written in _UNITS else written.lower()]
     require_number(key, value, lambda number: low <= number <= high, f"must be {low:g} to {high:g} {unit}")
     return float(value)
 
 
+def force_of(touch: str | float) -> float:
+    """Return a force, N."""
+    return _amount("touch", touch)
+
+
+def thickness_of(thickness: str | float) -> float:
+    """Return a skin's thickness, mm."""
+    return _amount("thickness", thickness)
+
+
 def film_of(film: str | float | None) -> float:
     """Return a film's thickness, mm; 0 for none."""
-    if film is None or film == "none":
-        return 0.0
-    if isinstance(film, str):
-        match = _FILM.fullmatch(film)
-        if match is None:
-            raise InputError("film", "must be a thickness, or none", film, "as in pvdf-28um or 0.028mm")
-        film = float(match[1]) * _UNITS[(match[2] or "um").lower()]
-    require_number("film", film, lambda value: 0.004 <= value <= 0.5, "must be 0.004 to 0.5 mm")
-    return float(film)
-
-
-def _tough(design: Design) -> list[str]:
-    """The silicones that can be pulled out of a mold, the hardest first."""
-    rows = listed_silicones(design.silicones)
-    tough = [name for name, row in rows.items() if (row.elongation_at_break or 0.0) >= TOUGH]
-    return sorted(tough, key=lambda name: -rows[name].young_modulus.value)
-
-
-@dataclass(frozen=True)
-class _Option:
-    """A flat design, its `room`, and its skin's thickness by the usual one."""
-
-    design: Design
-    room: float | None
-    thick: float
+    return 0.0 if film in (None, "none") else _amount("film", film)
 
 
 @dataclass
@@ -319,7 +290,7 @@ class _Search:
 
     asked: Wish
     names: Sequence[str]
-    progress: Progress | None
+    progress: Progress
     began: float
     given_up: dict[str, str] = field(default_factory=dict)
     thickest: float = 1.0  # of the usual thickness: the usual one first
@@ -330,16 +301,17 @@ class _Search:
         """Return the design and its check: of the usual thickness where that passes, else thicker."""
         asked = self.asked
         flat = self._flat_design()
-        if room(flat) is not None:
-            design, enough = self._curved(flat, PASSING)
-            if enough:
-                return design, self.verdict
+        design, enough = self._curved(flat, PASSING)
+        if enough:
+            return design, self.verdict
         self.asked, self.thickest, self.given_up = asked, math.inf, {}
         flat = self._flat_design()
-        design, enough = self._curved(flat) if room(flat) is not None else (flat, False)
-        if not enough and (softer := self._softer(flat)):
-            flat = softer
-            design, enough = self._curved(flat)
+        design, enough = self._curved(flat)
+        if not enough and (later := self.names[self.names.index(str(flat.material.name)) + 1 :]):
+            softer = flat.with_(material={"name": later[0]})
+            if room(softer):
+                flat = softer
+                design, enough = self._curved(flat)
         if not enough:
             design = self._at_nearest_force(flat)
         verdict = self._last_check(design)
@@ -348,21 +320,9 @@ class _Search:
             return flat, self._last_check(flat)
         return design, verdict
 
-    def _report(self, stage: str) -> None:
-        if self.progress:
-            self.progress(stage)
-
-    def _softer(self, flat: Design) -> Design | None:
-        """The design in the next softer silicone; None where there is none that bears the force."""
-        place = self.names.index(str(flat.material.name))
-        for name in self.names[place + 1 :]:
-            softer = flat.with_(material={"name": name})
-            return softer if room(softer) is not None else None
-        return None
-
     def _flat_design(self) -> Design:
         """The first castable flat design that is soft enough by the closed form; or else the nearest."""
-        self._report("shape and mold")
+        self.progress("shape and mold")
         wish = self.asked = replace(self.asked, silicone=self.names[0])
         while True:
             try:
@@ -380,45 +340,46 @@ class _Search:
     def _best(self, wish: Wish) -> Design:
         """The first castable design that is soft enough; where none is, the softest. Raises ObstacleError
         where none of those that are tried is castable."""
-        last, tried = ObstacleError("size"), 0
-        options = [option for option in self._options(wish) if option.thick <= self.thickest]
+        options = [option for option in self._options(wish) if option[2] <= self.thickest]
         least = ENOUGH if self.thickest > 1.0 else JUST_ENOUGH
-        enough = [option for option in options if (option.room or 0.0) >= least]
-        enough.sort(key=lambda option: option.thick)
-        others = sorted((o for o in options if o not in enough), key=lambda option: -(option.room or 0.0))
-        for option in [*enough, *others]:
-            try:
-                check_castable(option.design)
-                return option.design
-            except ObstacleError as obstacle:
-                last, tried = obstacle, tried + 1
-                if tried == MOST_FORMS or obstacle.by.startswith(WHATEVER_THE_RIDGES):
-                    break
+        enough = sorted((option for option in options if option[1] >= least), key=itemgetter(2))
+        others = sorted((option for option in options if option[1] < least), key=itemgetter(1), reverse=True)
+        last = ObstacleError("size")
+        for design, _, _ in [*enough, *others][:MOST_FORMS]:
+            obstacle = castable_obstacle(design)
+            if obstacle is None:
+                return design
+            last = obstacle
+            if last.by.startswith(WHATEVER_THE_RIDGES):
+                break
         raise last
 
-    def _options(self, wish: Wish) -> Iterator[_Option]:
-        """Flat designs, the best first: of several silicones the hardest that does, in the first shape."""
+    def _options(self, wish: Wish) -> Iterator[tuple[Design, float, float]]:
+        """Flat designs with their room, 0 for none, and their thickness by the usual one, the best first: of
+        several silicones the hardest that does, in the first shape."""
         for end_plates in combs(wish):
-            for shape in shapes(wish):
+            for pitch, count, form in shapes(wish):
                 try:
-                    design = design_of(wish, shape, end_plates)
+                    design = design_of(wish, pitch, count, form, end_plates)
                 except ObstacleError:
                     continue
-                alike = [design.with_(material={"name": name}) for name in self.names]
-                thick = shape.thickness if shape.family == "ridge" else 1.0  # pins are soft by being few
-                options = [_Option(other, room(other), thick) for other in alike]
-                bearing = [option for option in options if option.room is not None] or options[:1]
-                yield next((option for option in bearing if (option.room or 0.0) >= ENOUGH), bearing[-1])
+                thick = form[2] if wish.family == "ridge" else 1.0  # pins are soft by being few
+                alike = (design.with_(material={"name": name}) for name in self.names)
+                options = [(other, room(other), thick) for other in alike]
+                bearing = [option for option in options if option[1]] or options[:1]
+                yield next((option for option in bearing if option[1] >= ENOUGH), bearing[-1])
 
     def _curved(self, flat: Design, share: float = AIM) -> tuple[Design, bool]:
         """The design with as much of the paper's curvature as its force bears, and whether a `share` of its
         parts pass: of the usual thickness as `check` judges it, which is the last word then."""
-        high = flat.heights[0]
-        drop = min(DROP * high, max(_free_drop(flat), FLAT * high))
+        if not room(flat):
+            return flat, False
+        high, down, spread = flat.heights[0], _estimate(flat)[0], _crest_spread(flat)
+        drop = min(DROP * high, max(min(down - spread, LARGEST_DROP * down), FLAT * high))
         for left in reversed(range(SEARCH_CHECKS)):
             design = bent(flat, drop)
             verdict = self._check(design)
-            if meets(verdict, share) and _is_castable(design):
+            if meets(verdict, share) and castable_obstacle(design) is None:
                 return design, True
             if drop <= FLAT * high or verdict.out_of_range:
                 break
@@ -428,24 +389,26 @@ class _Search:
     def _at_nearest_force(self, flat: Design) -> Design:
         """The flat design at the smallest force, of a few tried, at which enough parts pass."""
         size, force, design = room(flat), self.asked.touch, flat
-        if size is None:
+        if not size:
             flat = bent(flat, DROP * flat.heights[0])
-            force /= max(1.0, _estimate(flat).overload)
+            force /= max(1.0, _estimate(flat)[1])
         elif size < 1.0:
             force /= size
         for _ in range(FORCE_CHECKS):
-            design = flat.with_(contact={"force": _two_digits(force)})
+            design = flat.with_(contact={"force": two_digits(force, up=True)})
             verdict = self._check(design)
             if meets(verdict, AIM) or perf_counter() - self.began > SECONDS:
                 break
             force *= 1 / MORE_FORCE if verdict.out_of_range else MORE_FORCE
         return design
 
-    def _check(self, design: Design) -> ContactCheck:
-        """The verdict of the search's model; while the usual thickness is looked at, that of `check`."""
-        model = "auto" if self.thickest == 1.0 else first_able(MODELS, design)
+    def _check(self, design: Design, last: bool = False) -> ContactCheck:
+        """The verdict of the search's model; at last, and while the usual thickness is looked at, that of
+        `check`."""
+        model = "auto" if last or self.thickest == 1.0 else first_able(MODELS, design)
         if (design, model) not in self.seen:
-            self._report(f"radius {design.skin.curvature_radius:g} at {design.contact.force:g} N")
+            radius, force = design.skin.curvature_radius, design.contact.force
+            self.progress("last check" if last else f"radius {radius:g} at {force:g} N")
             tol = None if model == "auto" else mesh_tolerance(model, None)
             self.seen[design, model] = check(design, model=model, tol=tol)
         self.verdict = self.seen[design, model]
@@ -453,57 +416,38 @@ class _Search:
 
     def _last_check(self, design: Design) -> ContactCheck:
         """The verdict that `check` gives of the design, where there is time, or else the search's last."""
-        if SECONDS - (perf_counter() - self.began) < LEAST_SECONDS:
-            return self.verdict
-        if (design, "auto") not in self.seen:
-            self._report("last check")
-            self.seen[design, "auto"] = check(design)
-        return self.seen[design, "auto"]
+        late = SECONDS - (perf_counter() - self.began) < LEAST_SECONDS
+        return self.verdict if late else self._check(design, last=True)
 
 
-def room(design: Design) -> float | None:
+def room(design: Design) -> float:
     """Return how far the plate comes down on the crests at the design's force, by what their scatter asks; in
-    closed form. None where the ridges would bear too much."""
+    closed form. 0 where the ridges would bear too much."""
     try:
-        estimate = _estimate(design)
+        approach, overload, out_of_range = _estimate(design)
     except InputError:  # pressed flat
-        return None
-    if estimate.out_of_range or estimate.overload > 1.0:
-        return None
-    scatter = Job(design).cavity_process.crest_sigma
-    return estimate.approach / max(CREST_SPREADS * scatter, 1e-9)
+        return 0.0
+    return 0.0 if out_of_range or overload > 1.0 else approach / max(_crest_spread(design), 1e-9)
 
 
-def overload(design: Design, verdict: ContactCheck) -> float:
-    """Return the most loaded ridge's force by what it bears: by its nominal strain, or until it tips over."""
-    return EDGE_SHARE * max(ridge_strain(design, verdict) / LARGEST_STRAIN, tipping(design, verdict))
+def _crest_spread(design: Design) -> float:
+    """How far the plate has to come down, mm, for crests that scatter as the mold's process makes them."""
+    return CREST_SPREADS * Job(design).cavity_process.crest_sigma
 
 
-class _Estimate(NamedTuple):
-    """How far the plate comes down, mm, what the most loaded feature bears by what it may, and whether that
-    is beyond the closed form's range."""
-
-    approach: float
-    overload: float
-    out_of_range: bool
-
-
-def _estimate(design: Design) -> _Estimate:
-    """The closed forms of a design at its force; pins shorten as columns, and each tip by Hertz."""
+def _estimate(design: Design) -> tuple[float, float, bool]:
+    """The closed forms of a design at its force: how far the plate comes down, mm, what the most loaded
+    feature bears by what it may, and whether that is beyond their range. A ridge may bear a nominal strain,
+    until it tips over; pins shorten as columns, and each tip by Hertz."""
     if design.features.family != "pin":
         verdict = check(design, model="winkler")
-        return _Estimate(verdict.approach.value or 0.0, overload(design, verdict), bool(verdict.out_of_range))
+        most = max(ridge_strain(design, verdict) / LARGEST_STRAIN, tipping(design, verdict))
+        return verdict.approach.value or 0.0, EDGE_SHARE * most, bool(verdict.out_of_range)
     share, ends = design.contact.force / design.count, limits(design)
-    down = ends.strain(share) * design.heights[0]
-    down += float(hertz(np.array(share), crown_radius(design), plane_modulus(design)))
-    most = EDGE_SHARE * max(ends.strain(share) / LARGEST_STRAIN, share / ends.buckling)
-    return _Estimate(down, most, False)
-
-
-def _free_drop(flat: Design) -> float:
-    """How much lower the outer crests may lie, mm, so that the closed form leaves the scatter its room."""
-    down = _estimate(flat).approach
-    return min(down - CREST_SPREADS * Job(flat).cavity_process.crest_sigma, LARGEST_DROP * down)
+    strain = ends.strain(share)
+    tip = float(hertz(np.array(share), crown_radius(design), plane_modulus(design)))
+    most = max(strain / LARGEST_STRAIN, share / ends.buckling)
+    return strain * design.heights[0] + tip, EDGE_SHARE * most, False
 
 
 def bent(flat: Design, drop: float) -> Design:
@@ -512,17 +456,3 @@ def bent(flat: Design, drop: float) -> Design:
     if flat.features.family == "pin":
         reach = 2 * max(abs(placed.foot[0]) for placed in skin_of(flat).placed)
     return flat.with_(skin={"curvature_radius": radius_for(drop, reach, flat.skin.width)})
-
-
-def _is_castable(design: Design) -> bool:
-    try:
-        check_castable(design)
-    except ObstacleError:
-        return False
-    return True
-
-
-def _two_digits(value: float) -> float:
-    """A force of two digits, rounded up."""
-    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return float(f"{math.ceil(value / unit - 1e-9) * unit:.2g}")

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import itemgetter
 from typing import Any
 
 from skincad.base.errors import InputError
@@ -25,7 +26,14 @@ RIDGE = {"root_width": 0.75, "crown": 0.03, "tip_fillet": 0.05, "root_fillet": 0
 SLOT = {"depth": 0.25, "offset": 0.16, "elevation": 0.05}
 # a ridge's height and tip by the pitch, and the skin's thickness by four pitches: yamada-2002's first, then
 # softer ones
-FORMS = ((0.5, 0.5, 1.0), (0.7, 0.5, 1.0), (0.7, 0.5, 1.5), (0.9, 0.4, 2.0), (1.0, 0.3, 2.0))
+Form = tuple[float, float, float]
+FORMS: tuple[Form, ...] = (
+    (0.5, 0.5, 1.0),
+    (0.7, 0.5, 1.0),
+    (0.7, 0.5, 1.5),
+    (0.9, 0.4, 2.0),
+    (1.0, 0.3, 2.0),
+)
 THINNEST, THICKEST = 4.0, 10.0  # mm, of the first form
 # of a ridge's height: how much lower than the middle crest the outer ones lie at most, as yamada-2002's, and
 # on a skin that counts as flat
@@ -70,10 +78,8 @@ class Wish:
 
     def design(self, tables: dict[str, dict[str, Any]]) -> Design:
         """Return a design of these tables, over those that every wish has."""
-        first = next(shapes(self), Shape(PITCHES[3], 1, *FORMS[0], self.family))
-        plain = first.tables(self.width, self.length)
         data: dict[str, Any] = {
-            **plain,
+            **feature_tables(self, *next(shapes(self), (PITCHES[3], 1, FORMS[0]))),
             "name": self.name,
             "material": {"name": self.silicone},
             "mold": {"process": self.process},
@@ -88,35 +94,22 @@ class Wish:
         return Design(**data)
 
 
-@dataclass(frozen=True)
-class Shape:
-    """Features of one pitch, mm, on a skin: `height` and `tip` by the pitch, `thickness` by the usual one.
-    `count` is of ridges; pins fill the skin."""
-
-    pitch: float
-    count: int
-    height: float
-    tip: float
-    thickness: float
-    family: str = "ridge"
-
-    def tables(self, width: float, length: float) -> dict[str, dict[str, Any]]:
-        """Return the tables of skin and features; the skin is flat."""
-        high = rounded(self.height * self.pitch)
-        thick = self.thickness * usual_thickness(self.pitch)
-        pins, tip = self.family == "pin", rounded(self.tip * self.pitch)
-        sizes = {key: rounded(share * self.pitch) for key, share in (PIN if pins else RIDGE).items()}
-        sizes |= {"pitch": self.pitch, "height": high, "tip_diameter" if pins else "tip_width": tip}
-        reach = width if pins else (self.count - 1) * self.pitch
-        return {
-            "skin": {
-                "curvature_radius": radius_for(FLAT * high, reach, width),
-                "thickness": rounded(thick),
-                "width": width,
-                "length": length,
-            },
-            self.family: {**sizes, **({"pattern": "hex"} if pins else {"count": self.count})},
-        }
+def feature_tables(wish: Wish, pitch: float, count: int, form: Form) -> dict[str, dict[str, Any]]:
+    """Return the tables of a flat skin and its features of a pitch, mm; `count` is of ridges alone."""
+    height, tip, thickness = form
+    high, pins = rounded(height * pitch), wish.family == "pin"
+    sizes = {key: rounded(share * pitch) for key, share in (PIN if pins else RIDGE).items()}
+    sizes |= {"pitch": pitch, "height": high, "tip_diameter" if pins else "tip_width": rounded(tip * pitch)}
+    reach = wish.width if pins else (count - 1) * pitch
+    return {
+        "skin": {
+            "curvature_radius": radius_for(FLAT * high, reach, wish.width),
+            "thickness": rounded(thickness * usual_thickness(pitch)),
+            "width": wish.width,
+            "length": wish.length,
+        },
+        wish.family: {**sizes, **({"pattern": "hex"} if pins else {"count": count})},
+    }
 
 
 def radius_for(drop: float, reach: float, width: float) -> float:
@@ -152,25 +145,27 @@ def usual_pitch(width: float) -> float:
     return next((p for p in PITCHES if p >= COARSEST or _most(width, p) <= MOST_RIDGES), COARSEST)
 
 
-def shapes(wish: Wish) -> Iterator[Shape]:
-    """Yield the shapes for a wish, the most like the paper first: its number of ridges or a few less, then
-    larger and softer ones, then finer ones. Of pins as many as a pad gets, or larger ones."""
+def shapes(wish: Wish) -> Iterator[tuple[float, int, Form]]:
+    """Yield pitch, count and form for a wish, the most like the paper first: its number of ridges or a few
+    less, then larger and softer ones, then finer ones. Of pins as many as a pad gets, or larger ones."""
     width = wish.width
     if wish.family == "pin":
         for pitch in PIN_PITCHES:
             many = width * wish.length / (math.sqrt(0.75) * pitch**2)  # of a hexagonal pattern, about
             if LEAST_PINS <= many <= MOST_PINS:
-                yield from (Shape(pitch, 1, *form, "pin") for form in FORMS[:3])
+                yield from ((pitch, 1, form) for form in FORMS[:3])
         return
     usual = usual_pitch(width)
     larger = [pitch for pitch in PITCHES if pitch >= usual]
     steps = [
-        (place + form, pitch, FORMS[form]) for place, pitch in enumerate(larger) for form in range(len(FORMS))
+        (place + softer, pitch, form)
+        for place, pitch in enumerate(larger)
+        for softer, form in enumerate(FORMS)
     ]
     finer = [(0, pitch, FORMS[0]) for pitch in reversed(PITCHES) if pitch < usual]
-    for _, pitch, form in [*sorted(steps, key=lambda step: step[0]), *finer]:
+    for _, pitch, form in [*sorted(steps, key=itemgetter(0)), *finer]:
         if (count := _most(width, pitch)) >= LEAST_RIDGES:
-            yield Shape(pitch, count, *form)
+            yield pitch, count, form
 
 
 def _most(width: float, pitch: float) -> int:
@@ -186,23 +181,24 @@ def combs(wish: Wish) -> list[str]:
     return list(dict.fromkeys([wish.process, *finer])) if wish.film else [wish.process]
 
 
-def check_castable(design: Design) -> None:
-    """Raise ObstacleError where a rule or a machine refuses a design's mold, by more than a note."""
+def castable_obstacle(design: Design) -> ObstacleError | None:
+    """Return the rule or the machine that refuses a design's mold by more than a note; None for none."""
     try:
         findings = design_findings(Job(design))
     except InputError as refused:
-        raise ObstacleError(refused.key, refused.remedy) from None
+        return ObstacleError(refused.key, refused.remedy)
     grave = [finding for finding in findings if finding.severity != "note"]
-    if grave:
-        worst = next((f for f in grave if f.rule in WHATEVER_THE_RIDGES), grave[0])
-        raise ObstacleError(worst.rule, worst.remedy, worst.measured - worst.limit)
+    if not grave:
+        return None
+    worst = next((f for f in grave if f.rule in WHATEVER_THE_RIDGES), grave[0])
+    return ObstacleError(worst.rule, worst.remedy, worst.measured - worst.limit)
 
 
-def design_of(wish: Wish, shape: Shape, end_plates: str) -> Design:
+def design_of(wish: Wish, pitch: float, count: int, form: Form, end_plates: str) -> Design:
     """Return the wish's design in a shape, flat, with the slots and the play that its machines need. Raises
     ObstacleError where no such skin can be."""
     cutter = wish.processes[wish.process]
-    tables = shape.tables(wish.width, wish.length)
+    tables = feature_tables(wish, pitch, count, form)
     feature = tables[wish.family]
     tip = max(feature.get("tip_fillet", 0.0), cutter.reach)
     if cutter.groove_ratio:
@@ -210,15 +206,19 @@ def design_of(wish: Wish, shape: Shape, end_plates: str) -> Design:
     if tip:
         feature["tip_fillet"] = tip
     makers = [cutter, *([wish.processes[end_plates]] if wish.film else [])]
-    play = max(maker.clearance + 2 * _walls(wish, maker) for maker in makers)
+    # by how much each wall comes nearer than it is drawn: growth, and a coat where one is needed
+    nearer = [walls_close(Job(wish.design({})), maker) for maker in makers]
+    play = max(maker.clearance + 2 * wall for maker, wall in zip(makers, nearer, strict=True))
     tables["mold"] = {"clearance": _up(play)}
     if wish.gripper is not None:
         tables["mold"]["mount"] = wish.gripper
     if wish.film:
-        tables |= _slots(wish.film, shape.pitch)
-        comb = makers[-1]
-        slit = comb.tolerance + _walls(wish, comb) if comb.layer else WIRE_SLIT
-        if tables["slot"]["thickness"] + 2 * slit < max(comb.gap, 2 * comb.reach):
+        thick, comb = max(wish.film + FILM_ROOM, SLOT_SHARE * pitch), makers[-1]
+        slot = next((shim for shim in SHIMS if shim >= thick - 1e-9), math.ceil(10 * thick) / 10)
+        places = {key: rounded(share * pitch) for key, share in SLOT.items()}
+        tables |= {"slot": {"thickness": slot, **places, "tilt": 0.0}, "film": {"thickness": wish.film}}
+        slit = comb.tolerance + nearer[-1] if comb.layer else WIRE_SLIT
+        if slot + 2 * slit < max(comb.gap, 2 * comb.reach):
             raise ObstacleError("gap")
         tables["mold"]["slit_clearance"] = _up(slit)
         if end_plates != wish.process:
@@ -229,19 +229,6 @@ def design_of(wish: Wish, shape: Shape, end_plates: str) -> Design:
         raise ObstacleError(refused.key, refused.remedy) from None
 
 
-def _walls(wish: Wish, maker: Process) -> float:
-    """By how much each wall comes nearer than it is drawn, mm: growth, and a coat where one is needed."""
-    return walls_close(Job(wish.design({})), maker)
-
-
-def _slots(film: float, pitch: float) -> dict[str, dict[str, Any]]:
-    """The tables of slots for a film, mm, in ridges of a pitch, mm."""
-    thick = max(film + FILM_ROOM, SLOT_SHARE * pitch)
-    slot = next((shim for shim in SHIMS if shim >= thick - 1e-9), math.ceil(10 * thick) / 10)
-    places = {key: rounded(share * pitch) for key, share in SLOT.items()}
-    return {"slot": {"thickness": slot, **places, "tilt": 0.0}, "film": {"thickness": film}}
-
-
 def _up(length: float) -> float:
     """A length, mm, rounded up to a micrometre."""
     return math.ceil(1000 * length - 1e-6) / 1000
@@ -250,10 +237,9 @@ def _up(length: float) -> float:
 def relaxed(wish: Wish, obstacle: ObstacleError) -> Wish | None:
     """Return the nearest wish without what stands against it; None where nothing is left to give up."""
     if obstacle.by == "build volume":
-        width, length = wish.width, wish.length
-        if length >= width:
-            return replace(wish, length=math.floor(length - max(obstacle.excess, 1.0)))
-        return replace(wish, width=math.floor(width - max(obstacle.excess, 1.0)))
+        longer = "length" if wish.length >= wish.width else "width"
+        shorter = math.floor(getattr(wish, longer) - max(obstacle.excess, 1.0))
+        return replace(wish, **{longer: shorter})
     if obstacle.by.startswith("mold.mount") and wish.gripper is not None:
         return replace(wish, gripper=None)
     if wish.film:
