@@ -25,7 +25,7 @@ from skincad.effects import (
 from skincad.inputs import Design, template_text
 from skincad.mechanics import FREE_TOP, added_compliance, skin_mass, validity
 from skincad.scenes import LEVELS, Simulation, at_level, load_scene, plan
-from skincad.shape.skin import skin_of
+from skincad.shape import skin_of
 from tests.mechanics.designs import filleted, yamada
 from tests.outlines import ALONG, outline
 from tests.small_scene import small_scene
