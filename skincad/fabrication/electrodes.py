@@ -126,32 +126,29 @@ def masked(job: Job) -> float:
 
 
 def electrode_findings(job: Job) -> list[Finding]:
-    """Return the rules `lead width`, `electrode margin` and `strip tab`; none without film."""
+    """Return the rules `lead width`, `electrode margin` and `strip tab`; none without film.
+
+    A lead's width is where it leaves its electrode, and along the strip's edge, at the worst of the
+    tolerances.
+    """
     slot = job.skin.slot
     if job.design.film is None or slot is None:
         return []
-    film = job.design.film
-    findings = [*_lead(film, slot.depth)]
+    film, findings = job.design.film, list[Finding]()
     needs = film.cut_tolerance + film.registration
+    lost = film.registration + max(film.margin, needs)
+    narrowest = slot.depth / 2 - lost
+    if narrowest < LEAST_LEAD - 1e-9:  # mm, rounding
+        deep = math.ceil(1e3 * 2 * (LEAST_LEAD + lost) - 1e-6) / 1e3
+        remedy = f"slot.depth of {deep:g} mm or more, or a finer film.registration and film.cut_tolerance: "
+        remedy += "two leads lie side by side in a strip"
+        where = "leads of both faces, side by side in a strip"
+        findings.append(error("lead width", where, narrowest, LEAST_LEAD, "mm", remedy))
     if film.margin < needs - 1e-9:
         where = "electrodes, bare at a cut edge: a cut through both shorts them"
         remedy = f"leave film.electrode_margin out, or {needs:g} mm; or a finer cutter and registration"
         findings.append(warning("electrode margin", where, film.margin, needs, "mm", remedy))
     return [*findings, *_tab(job, film)]
-
-
-def _lead(film: Film, depth: float) -> Iterator[Finding]:
-    """Where a lead leaves its electrode, and along the strip's edge, at the worst of the tolerances."""
-    lost = film.registration + max(film.margin, film.cut_tolerance + film.registration)
-    narrowest = depth / 2 - lost
-    if narrowest < LEAST_LEAD - 1e-9:  # mm, rounding
-        deep = math.ceil(1e3 * 2 * (LEAST_LEAD + lost) - 1e-6) / 1e3
-        remedy = (
-            f"slot.depth of {deep:g} mm or more, or a finer film.registration and film.cut_tolerance: two "
-            "leads lie side by side in a strip"
-        )
-        where = "leads of both faces, side by side in a strip"
-        yield error("lead width", where, narrowest, LEAST_LEAD, "mm", remedy)
 
 
 def _tab(job: Job, film: Film) -> Iterator[Finding]:

@@ -139,7 +139,10 @@ class MakeResult(Result):
     @reported(meaning="what was checked and what came out")
     def summary(self) -> str:
         """What was checked and what came out, as "mold: no errors, 1 warning; contact: not checked"."""
-        return summary(self.check, self.findings)
+        from skincad.fabrication.rules import counted
+
+        contact = self.check.verdict if self.check else "not checked"
+        return f"mold: {counted(self.findings)}; contact: {contact}"
 
     def built(self) -> Build:
         """Return the solids and meshes; raises RefusedError for a copy."""
@@ -253,13 +256,6 @@ def passes(check: ContactCheck | None, findings: tuple[Finding, ...], strict: bo
     bad = {"error", "warning"} if strict else {"error"}
     touching = check is None or check.passed
     return touching and not any(finding.severity in bad for finding in findings)
-
-
-def summary(check: ContactCheck | None, findings: tuple[Finding, ...]) -> str:
-    """Return what was checked of a mold and its skin, and what came out."""
-    from skincad.fabrication.rules import counted
-
-    return f"mold: {counted(findings)}; contact: {check.verdict if check else 'not checked'}"
 
 
 def _check_choices(checked: bool, model: str, budget: float | None) -> None:

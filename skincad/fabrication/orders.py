@@ -18,7 +18,7 @@ from skincad.fabrication.part_drawing import (
     what_matters,
 )
 from skincad.fabrication.parts_list import Item, parts_list
-from skincad.fabrication.printing import bed_words, face_down, print_plates, print_settings, supported
+from skincad.fabrication.printing import face_down, print_plates, print_settings, supported
 from skincad.fabrication.rules import Finding
 from skincad.inputs.catalog import display_name
 from skincad.inputs.process import Process
@@ -58,7 +58,7 @@ def _process_order(job: Job, name: str, findings: list[Finding], drops: Drops, s
         job,
         title=process_words(job, parts[0]),
         settings=print_settings(process, supported(name, findings)) if process.layer else "",
-        bed=bed_words(process),
+        process=process,
         rows=[_row(job, part, items[part.name], drops, solids) for part in parts],
         general=_general(job, parts, process),
     )
@@ -100,11 +100,16 @@ def _sheet_order(job: Job) -> str:
         for item in parts_list(job)
         if item.what in SHEET_GOODS
     ]
-    return _order(job, title="film, sheet and board", settings="", bed="", rows=rows)
+    return _order(job, title="film, sheet and board", rows=rows)
 
 
 def _order(
-    job: Job, title: str, settings: str, bed: str, rows: list[OrderRow], general: dict[str, Any] | None = None
+    job: Job,
+    title: str,
+    rows: list[OrderRow],
+    settings: str = "",
+    process: Process | None = None,
+    general: dict[str, Any] | None = None,
 ) -> str:
     alike: dict[tuple[str, ...], list[str]] = {}
     for item, _, matters in rows:
@@ -116,7 +121,7 @@ def _order(
         revision=job.design.revision,
         version=__version__,
         settings=settings,
-        bed=bed,
+        process=process,
         rows=rows,
         general=general,
         matters=[(names, lines) for lines, names in alike.items() if lines],

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import PurePath
 from typing import Any, NamedTuple
 
@@ -96,7 +97,8 @@ def facts(job: Job) -> dict[str, Any]:
     }
 
 
-def _rows(job: Job, name: str) -> list[Item]:
+@lru_cache(maxsize=4)  # a job's orders, drawings and sheet ask for the same rows
+def _rows(job: Job, name: str) -> tuple[Item, ...]:
     """The rows of one of parts-list.txt's macros."""
     (primed, area), grams = _primed(job), dict[str, float]()
     for pour in pouring.pours(job):
@@ -116,12 +118,11 @@ def _rows(job: Job, name: str) -> list[Item]:
         NECK=NECK,
     ).splitlines()
     rows = ([cell.strip().replace(BAR, "|") for cell in line.split("|")] for line in lines)
-    return [
-        Item(
-            quantity, what, size, place=place, **{k: v for k, _, v in (cell.partition("=") for cell in more)}
-        )
-        for quantity, what, size, place, *more in rows
-    ]
+    items = []
+    for quantity, what, size, place, *more in rows:
+        cells = {key: value for key, _, value in (cell.partition("=") for cell in more)}
+        items.append(Item(quantity, what, size, place=place, **cells))
+    return tuple(items)
 
 
 def _cell(text: str) -> str:
@@ -156,7 +157,7 @@ def _made_items(job: Job, estimates: dict[str, PartEstimate]) -> Iterator[Item]:
         yield row._replace(tolerance=limits, condition=edges)
 
 
-def consumables(job: Job) -> list[Item]:
+def consumables(job: Job) -> tuple[Item, ...]:
     """Return what is used up in a cast, and small tools for it."""
     return _rows(job, "consumables")
 

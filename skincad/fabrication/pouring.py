@@ -238,7 +238,8 @@ def filling(job: Job) -> Filling:
         return Filling(_rounded(seconds), 0, 0, 0.0, brushed)
     volume = poured_volume(job) / 1000
     size = next((ml for ml in SYRINGES if ml >= volume), max(SYRINGES))
-    work = thumb_work(job, job.gate, size)  # N s
+    # N s, the thumb's force times the time of filling: the force falls as the time grows
+    work = press(job.silicone.viscosity, poured_volume(job), job.gate, SYRINGES[size])
     seconds = _rounded(max(seconds, work / THUMB))
     return Filling(seconds, size, math.ceil(volume / size), work / seconds, brushed)
 
@@ -254,11 +255,6 @@ def groove_time(job: Job) -> float:
     narrow = skin.profile.mean_width if flow is None else min(flow.beside, skin.profile.mean_width)
     head = job.silicone.density * GRAVITY * 1e-3 * job.design.skin.thickness
     return 6 * job.silicone.viscosity * (max(skin.heights) / narrow) ** 2 / head
-
-
-def thumb_work(job: Job, gate: float, syringe: int) -> float:
-    """Return the thumb's force times the time of filling, N s: it falls as the time grows."""
-    return press(job.silicone.viscosity, poured_volume(job), gate, SYRINGES[syringe])
 
 
 def outlet_words(gate: float) -> str:

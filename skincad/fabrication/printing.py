@@ -97,10 +97,3 @@ def face_down(job: Job, part: Part) -> str:
     if part.role in END_PLATES:
         return "outer face" if part.end == "a" else "inner face"
     return "face at end a"
-
-
-def bed_words(process: Process) -> str:
-    """Return the bed of a process's machine."""
-    if not process.build_x:
-        return "any bed"
-    return f"a bed of {process.build_x:g} x {process.build_y:g} mm, {process.build_z:g} mm high"

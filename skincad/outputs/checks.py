@@ -37,11 +37,6 @@ def verdict_of(build: Build) -> str:
     return CHECK.said("verdict_of", build)
 
 
-def passing_share(check: ContactCheck) -> str:
-    """Return the share of parts that pass with its interval, as "90 % (80 to 93 %)"; "" without a yield."""
-    return CHECK.said("passing_share", check)
-
-
 def advice_lines(check: ContactCheck) -> list[str]:
     """Return why the design fails and what would pass, as far as it is known: more only adds lines."""
     return CHECK.rows("advice", check)

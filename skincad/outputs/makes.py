@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -119,60 +119,44 @@ def writers(
     design: Design, closed: ClosedMold, solids: bool = True, preview: bool = False
 ) -> dict[str, BuildWriter]:
     """Return the writer of each file by its name, whose suffix is the format; pictures come last."""
-    printed = [part.name for part in closed.made]
-    exact: dict[str, BuildWriter] = {
-        **{f"solids/{name}.step": partial(_write_solid, name) for name in ("skin", *printed)},
-        "solids/assembly.step": lambda build, path: write_assembly(
+    made, job = [part.name for part in closed.made], Job(design, closed)
+    rows: dict[str, BuildWriter] = {}
+    if solids:
+        rows |= {f"solids/{name}.step": partial(_write_solid, name) for name in ("skin", *made)}
+        rows["solids/assembly.step"] = lambda build, path: write_assembly(
             build.closed, build.solid, build.design.name, path
-        ),
-    }
-    for name in printed:
-        exact |= _sheet_writers(name, partial(sheet_of, name=name))
-    strips: dict[str, BuildWriter] = {
-        "film/strips.dxf": lambda build, path: flat.write_strips_dxf(build.job, path),
-        "film/strips.svg": lambda build, path: flat.write_strips_svg(build.job, path),
-        "film/strip-board.kicad_mod": _text(lambda build: flat.strip_board(build.job)),
-    }
-    shims: dict[str, BuildWriter] = {
-        "film/shims.dxf": lambda build, path: flat.write_shims_dxf(build.job, path)
-    }
-    seal: dict[str, BuildWriter] = {
-        "drawings/seal.dxf": lambda build, path: flat.write_seal_dxf(build.closed, path)
-    }
-    job = Job(design, closed)
-    plates = {plate.file: partial(_write_plate, plate) for plate in print_plates(job)}
-    return {
-        **(exact if solids else {}),
-        **{f"solids/{name}.stl": partial(_write_stl, name) for name in ("skin", *printed)},
-        "solids/mold.3mf": lambda build, path: write_3mf(
-            {name: (mesh, build.closed.part(name).colour) for name, mesh in build.laid.items()}, path
-        ),
-        **plates,
-        "solids/skin.3mf": lambda build, path: write_3mf(
-            {"skin": (build.skin, build.closed.first(PartRole.SKIN).colour)}, path
-        ),
-        **_sheet_writers("assembly", _closed_sheet),
-        "drawings/section.dxf": lambda build, path: flat.write_section_dxf(build.design, path),
-        "drawings/section.svg": lambda build, path: flat.write_section_svg(build.design, path),
-        "drawings/drawing.svg": _text(drawing_svg),
-        **(strips if design.film else {}),
-        **(shims if closed.of(PartRole.SHIM) else {}),
-        **(seal if closed.of(PartRole.SEAL) else {}),
-        "design.toml": _text(lambda build: build.design.to_toml()),
-        "casting-sheet.md": _text(sheet_text),
-        "casting-sheet.html": _text(
-            lambda build: page(sheet_text(build), drawing_svg(build), f"Casting sheet: {build.design.name}")
-        ),
-        "parts-list.csv": _text(lambda build: parts_csv(build.job, build.estimates)),
-        **{name: _text(partial(_order, order)) for name, order in orders(job, solids).items()},
-        "view.html": _text(
-            lambda build: view_page(
-                build.job, build.meshes, build.check, checks.verdict_of(build), _png(build)
-            )
-        ),
-        **({} if preview else {"report.html": _text(_report)}),
-        "picture.png": _picture,
-    }
+        )
+        for name in made:
+            rows |= _sheet_writers(name, partial(sheet_of, name=name))
+    rows |= {f"solids/{name}.stl": partial(_write_stl, name) for name in ("skin", *made)}
+    rows["solids/mold.3mf"] = lambda build, path: _write_3mf(build, build.laid, path)
+    rows |= {plate.file: partial(_write_plate, plate) for plate in print_plates(job)}
+    rows["solids/skin.3mf"] = lambda build, path: _write_3mf(build, {"skin": build.skin}, path)
+    rows |= _sheet_writers("assembly", _closed_sheet)
+    rows["drawings/section.dxf"] = lambda build, path: flat.write_section_dxf(build.design, path)
+    rows["drawings/section.svg"] = _text(lambda build: flat.section_svg(build.design))
+    rows["drawings/drawing.svg"] = _text(drawing_svg)
+    if design.film:
+        rows["film/strips.dxf"] = lambda build, path: flat.write_strips_dxf(build.job, path)
+        rows["film/strips.svg"] = _text(lambda build: flat.strips_svg(build.job))
+        rows["film/strip-board.kicad_mod"] = _text(lambda build: flat.strip_board(build.job))
+    if closed.of(PartRole.SHIM):
+        rows["film/shims.dxf"] = lambda build, path: flat.write_shims_dxf(build.job, path)
+    if closed.of(PartRole.SEAL):
+        rows["drawings/seal.dxf"] = lambda build, path: flat.write_seal_dxf(build.closed, path)
+    rows["design.toml"] = _text(lambda build: build.design.to_toml())
+    rows["casting-sheet.md"] = _text(sheet_text)
+    rows["casting-sheet.html"] = _text(
+        lambda build: page(sheet_text(build), drawing_svg(build), f"Casting sheet: {build.design.name}")
+    )
+    rows["parts-list.csv"] = _text(lambda build: parts_csv(build.job, build.estimates))
+    rows |= {name: _text(partial(_order, order)) for name, order in orders(job, solids).items()}
+    rows["view.html"] = _text(
+        lambda build: view_page(build.job, build.meshes, build.check, checks.verdict_of(build), _png(build))
+    )
+    if not preview:
+        rows["report.html"] = _text(_report)
+    return {**rows, "picture.png": _picture}
 
 
 def _text(of: Callable[[Build], str]) -> BuildWriter:
@@ -212,6 +196,12 @@ def _write_stl(name: str, build: Build, path: Path) -> None:
     write_stl(build.skin if name == "skin" else build.laid[name], path)
 
 
+def _write_3mf(build: Build, meshes: Mapping[str, Any], path: Path, placed: bool = False) -> None:
+    """Meshes of parts in their colours."""
+    colours = {part.name: part.colour for part in (build.job.skin_part, *build.closed.made)}
+    write_3mf({name: (mesh, colours[name]) for name, mesh in meshes.items()}, path, placed)
+
+
 def _write_plate(plate: PrintPlate, build: Build, path: Path) -> None:
     """A plate's parts where they lie on the bed, its corner at the origin."""
     process = build.job.processes[plate.process]
@@ -221,8 +211,8 @@ def _write_plate(plate: PrintPlate, build: Build, path: Path) -> None:
         if spot.turned:
             shape.vertices = shape.vertices[:, [1, 0, 2]] * [-1.0, 1.0, 1.0]
         shape.vertices += [spot.x + process.build_x / 2, spot.y + process.build_y / 2, 0.0]
-        shapes[spot.name] = (shape, build.closed.part(spot.name).colour)
-    write_3mf(shapes, path, placed=True)
+        shapes[spot.name] = shape
+    _write_3mf(build, shapes, path, placed=True)
 
 
 def _order(order: Order, build: Build) -> str:

@@ -192,7 +192,7 @@ def _yield_facts(design: Design, check: ContactCheck) -> Facts:
         return {"part_yield": None}
     return {
         "part_yield": part_yield,
-        "passing_share": checks.passing_share(check),
+        "passing_share": checks.CHECK.said("passing_share", check),
         "spread": spread_of(design),
         "slopes": [f"{slope / 100:+.2g}" for slope in part_yield.crest_sensitivity],
     }

@@ -12,7 +12,7 @@ __getattr__, __dir__ = face(
     coupon: BAR BARS HEIGHTS NOTCHES NOTCH_DEPTH NOTCH_PITCH REPEATS coupon_parts
         drawn_notches drawn_steps poured_volumes
     fasteners: BlindThread HEAD LENGTHS METRIC RUN_OUT TAP_RADIUS WASHER blind_thread insert_outer
-        insert_radius pin_depth run_out_room screw_for standard_length torque
+        insert_radius run_out_room screw_for standard_length torque
     gate: GRAVITY LUER SYRINGES THUMB TIPS TIP_LENGTH TIP_PLAY WIDTHS filling_time press tip
     inserts: BEND GRIP MOST_TURN PIN_RADIUS STUB fan_lead fan_offset lead_length
         strip_overhangs

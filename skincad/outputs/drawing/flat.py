@@ -72,22 +72,18 @@ def write_section_dxf(design: Design, path: Path) -> None:
     write_dxf(path, [*sheet.marks, *written], sheet.scale, notes)
 
 
-def write_section_svg(design: Design, path: Path) -> None:
-    """Write the section with true arcs as SVG, mm, z up."""
-    path.write_text(_section_svg(design), encoding="utf-8")
-
-
 def section_html(design: Design) -> str:
     """Return what a notebook shows of a design: its name, its sizes, and its section."""
     skin = skin_of(design)
     size = f"{design.skin.across} x {summit(design):.4g} mm"
     words = f"{design.name}: {skin.counted} on {size}, of {silicone(design).name}"
-    data = base64.b64encode(_section_svg(design).encode()).decode()
+    data = base64.b64encode(section_svg(design).encode()).decode()
     picture = f'<img style="width:100%;max-width:760px" src="data:image/svg+xml;base64,{data}">'
     return f"<p><b>{escape(words)}</b></p>{picture}"
 
 
-def _section_svg(design: Design) -> str:
+def section_svg(design: Design) -> str:
+    """Return the section with true arcs as SVG, mm, z up."""
     sheet = _section(design, "SKIN")
     return sheet_svg(sheet, 1 / sheet.scale)
 
@@ -193,10 +189,10 @@ def write_strips_dxf(job: Job, path: Path) -> None:
     write_dxf(path, sheet.marks, sheet.scale, sheet.notes)
 
 
-def write_strips_svg(job: Job, path: Path) -> None:
-    """Write the same cutting pattern as SVG, mm; where both faces have metal, both colours lie over each
+def strips_svg(job: Job) -> str:
+    """Return the same cutting pattern as SVG, mm; where both faces have metal, both colours lie over each
     other."""
-    path.write_text(sheet_svg(_strips(job), 1 / STRIPS), encoding="utf-8")
+    return sheet_svg(_strips(job), 1 / STRIPS)
 
 
 def _strips(job: Job) -> Sheet:

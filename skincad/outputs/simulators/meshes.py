@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skincad.base.arrays import Array, Index
+from skincad.fabrication.papers import macro
 from skincad.inputs.design import Design
 from skincad.inputs.material import layers, silicone
 from skincad.inputs.silicone import Silicone
@@ -221,30 +222,23 @@ def vtu(mesh: Tetrahedra) -> str:
         {"skin": 1, "film": 2}.get(name) or 2 + int(name.removeprefix("shot-")) for name in mesh.elements
     ]
     region = np.repeat(numbers, [len(rows) for rows in mesh.elements.values()])
-    arrays: list[tuple[str, str, int, str, Array | Index]] = [
-        ("Points", "Float64", 3, "points", mesh.nodes),
-        ("Cells", "Int64", 1, "connectivity", cells),
-        ("Cells", "Int64", 1, "offsets", 10 * np.arange(1, len(cells) + 1, dtype=np.int64)),
-        ("Cells", "UInt8", 1, "types", np.full(len(cells), VTK_TETRAHEDRON)),
-        ("CellData", "Int64", 1, "region", region),
-    ]
-    lines = [
-        '<?xml version="1.0"?>',
-        '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
-        f'<UnstructuredGrid><Piece NumberOfPoints="{len(mesh.nodes)}" NumberOfCells="{len(cells)}">',
-    ]
-    for part in ("Points", "Cells", "CellData"):
-        lines.append(f"<{part}>")
-        lines += [_array(*row[1:]) for row in arrays if row[0] == part]
-        lines.append(f"</{part}>")
-    return "\n".join([*lines, "</Piece></UnstructuredGrid></VTKFile>", ""])
+    offsets, types = 10 * np.arange(1, len(cells) + 1), np.full(len(cells), VTK_TETRAHEDRON)
+    parts = {
+        "Points": [_array("Float64", 3, "points", mesh.nodes)],
+        "Cells": [
+            _array("Int64", 1, "connectivity", cells),
+            _array("Int64", 1, "offsets", offsets),
+            _array("UInt8", 1, "types", types),
+        ],
+        "CellData": [_array("Int64", 1, "region", region)],
+    }
+    return macro("simulators/mesh.vtu", "grid", len(mesh.nodes), len(cells), parts)
 
 
-def _array(kind: str, width: int, name: str, values: Array | Index) -> str:
+def _array(kind: str, width: int, name: str, values: Array | Index) -> tuple[str, int, str, str]:
+    """An array's type, its numbers a row, its name, and itself as base64."""
     raw = np.ascontiguousarray(values).astype(f"<{np.dtype(kind.lower()).str[1:]}").tobytes()
-    text = base64.b64encode(struct.pack("<Q", len(raw)) + raw).decode()
-    head = f'type="{kind}" Name="{name}" NumberOfComponents="{width}" format="binary"'
-    return f"<DataArray {head}>{text}</DataArray>"
+    return kind, width, name, base64.b64encode(struct.pack("<Q", len(raw)) + raw).decode()
 
 
 def _stuff(material: Silicone) -> dict[str, Any]:

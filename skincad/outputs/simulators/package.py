@@ -182,13 +182,8 @@ def _response(design: Design, notes: list[str], progress: Progress | None) -> Fi
     return film_response(design, progress)
 
 
-def files(package: Package) -> dict[str, Writer]:
-    """Return the writer of each file."""
-    solids = {f"{name}.step": partial(_step, package.design, name) for name in ("skin", "carrier")}
-    return {**dict(_files(package)), **solids}
-
-
 def _files(package: Package) -> Iterator[tuple[str, Writer]]:
+    """The writer of each file."""
     design, kinds = package.design, {*package.kinds}
     yield "package.md", text(partial(markdown, package))
     yield "design.toml", text(design.to_toml)
@@ -215,6 +210,7 @@ def _files(package: Package) -> Iterator[tuple[str, Writer]]:
     if package.response:
         yield "response.csv", text(partial(response_csv, design, package.response))
         yield "response.npz", partial(write_response, design, package.response)
+    yield from ((f"{name}.step", partial(_step, design, name)) for name in ("skin", "carrier"))
 
 
 def _glb(shapes: dict[str, trimesh.Trimesh], path: Path) -> None:
@@ -261,14 +257,10 @@ def markdown(package: Package) -> str:
 def _simplified(package: Package) -> list[str]:
     design = package.design
     chord, family = contact_chord(design), skin_of(design).family
-    facts = {"chord": chord, "body": _body(design), "family": family}
+    most = max(map(len, feature_bodies(design).values()))
+    body = family if most == 1 else f"group of up to {most} neighbouring {family}s"  # what moves as one
+    facts = {"chord": chord, "body": body, "family": family}
     return macro("papers/model-card.md", "simplified", package, **facts).splitlines()
-
-
-def _body(design: Design) -> str:
-    """What moves as one: a ridge, or some pins."""
-    most, family = max(map(len, feature_bodies(design).values())), skin_of(design).family
-    return family if most == 1 else f"group of up to {most} neighbouring {family}s"
 
 
 def _numbers(package: Package) -> list[tuple[str, ...]]:
@@ -295,4 +287,9 @@ def _numbers(package: Package) -> list[tuple[str, ...]]:
     return [mass, *(tuple(row.split(" | ")) for row in rows)]
 
 
-PACKAGE = Presentation(COMMAND="package", words="package.txt", writers=files, manifest=card)
+PACKAGE = Presentation(
+    COMMAND="package",
+    words="package.txt",
+    writers=lambda package: dict(_files(package)),
+    manifest=card,
+)

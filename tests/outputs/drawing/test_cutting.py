@@ -276,11 +276,10 @@ def test_strips_svg_draws_the_same_pattern(made: Made) -> None:
     assert any("draw axis (d31) along the strips" in text for text in words)
 
 
-def test_the_longest_note_fits_on_the_strips_drawing(yamada: Design, tmp_path: Path) -> None:
+def test_the_longest_note_fits_on_the_strips_drawing(yamada: Design) -> None:
     """It is far longer than a strip; letters are half as wide as high, and up to 0.7 times."""
     short = yamada.with_(film={"lead": 8.0})
-    flat.write_strips_svg(Job(short), tmp_path / "strips.svg")
-    root = ET.parse(tmp_path / "strips.svg").getroot()
+    root = ET.fromstring(flat.strips_svg(Job(short)))
     left, _, wide, _ = map(float, root.attrib["viewBox"].split())
     begin, letters = max(
         (float(t.attrib["x"]), len(t.text or "") * float(t.attrib["style"][len("font-size:") : -len("px")]))
