@@ -29,6 +29,7 @@ SPREAD, NEAR = 0.3, 0.12
 POPULATION, TPE_BATCH, SOBOL_BATCH = 40, 4, 16  # places at once
 WORST = 1e30  # the loss and the broken limit of a place without a result
 MAX_IDLE = 500  # places without a new design between them, after which a search ends
+BEYOND = 0.03  # of the cube: how far outside TPE may look, so that it asks for the ends of a range too
 MUTATED = 0.1  # of the cube: the standard deviation of the places that NSGA-II begins with around a start
 
 
@@ -183,7 +184,12 @@ class OptunaSearch:
         kinds, steps = self._optuna.distributions, self._steps[number]
         if any(isinstance(choice, str) for choice in self.knobs[number].choices):
             return kinds.CategoricalDistribution(steps)
-        return kinds.IntDistribution(0, len(steps) - 1) if steps else kinds.FloatDistribution(0.0, 1.0)
+        beyond = BEYOND if self.sampler == "tpe" else 0.0
+        return (
+            kinds.IntDistribution(0, len(steps) - 1)
+            if steps
+            else kinds.FloatDistribution(-beyond, 1 + beyond)
+        )
 
     def _sampler(self, samplers: Any) -> tuple[Any, int, Sequence[Array]]:
         """The sampler, how many places it asks for at once, and with which it begins."""
@@ -226,7 +232,10 @@ class OptunaSearch:
         return trial
 
     def _row(self, trial: Any) -> tuple[float, ...]:
-        return tuple(trial.params[name] for name in self._space)
+        rows = zip(self._space, self._steps, strict=True)
+        return tuple(
+            trial.params[name] if steps else min(max(trial.params[name], 0.0), 1.0) for name, steps in rows
+        )
 
     def _parameters(self, place: Array) -> dict[str, float]:
         """The place as Optuna has it: of choices and whole numbers which step it is."""

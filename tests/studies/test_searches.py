@@ -401,6 +401,20 @@ def test_keys_that_do_not_fit_come_near_the_best(count: int, monkeypatch: pytest
         assert (every < best - 1e-12).sum() < 10
 
 
+@counts(1, 4)
+def test_a_best_at_the_end_of_a_range_is_met_exactly(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of choices beside two numbers: the thinnest pad is as thin as the range lets it be."""
+
+    def force(design: Design) -> float:
+        return thickness(design) + 0.1 * (design.ridge.count != 7) + 1e-3 * design.skin.curvature_radius
+
+    work(monkeypatch, force=force, depth=lambda _: 0.0)
+    vary = {"ridge.count": [5, 7, 9], "skin.thickness": "4:8", "skin.curvature_radius": "50:80"}
+    for seed in range(count):
+        (best,) = optimise(study(vary, ["force"], evaluations=100, seed=seed)).front
+        assert (best.values["ridge.count"], best.values["skin.thickness"]) == (7, 4.0)
+
+
 @pytest.mark.slow
 def test_the_same_seed_asks_the_same(tmp_path: Any) -> None:
     number, names = {"skin.thickness": "4:8"}, {"material.name": "all"}
