@@ -202,12 +202,12 @@ def solve(
         else:
             more, whole, notes_of_search = _chosen(evaluator, fixed, tol), True, []
         points, complete, notes = points + more, complete and whole, notes + notes_of_search
-    asked = tuple(evaluator.evaluations.values())
-    refused = [evaluation.refused for evaluation in asked if evaluation.refused]
-    if len(refused) == len(asked):
+    answers = tuple(evaluator.evaluations.values())
+    refused = [evaluation.refused for evaluation in answers if evaluation.refused]
+    if len(refused) == len(answers):
         notes.append(f"every value is refused, the first since {refused[0]}")
     for key in [] if refused else evaluator.target:
-        if all(evaluation.results[key].value is None for evaluation in asked):
+        if all(evaluation.results[key].value is None for evaluation in answers):
             notes.append(f"the result has no {key} at any value that was tried")
     notes += [_uncast(subject, *entry) for point in points for entry in point.values.items()]
 
@@ -216,7 +216,7 @@ def solve(
         off = 0.0 if smooth else evaluator.off(evaluator.ask(dict(point.values)))
         return off, _change(varied, point.values)
 
-    closest = min(asked, key=evaluator.off)
+    closest = min(answers, key=evaluator.off)
     return Solution(
         subject=subject,
         question=question,
@@ -225,7 +225,7 @@ def solve(
         knobs=varied,
         solutions=tuple(sorted(points, key=order)),
         closest=None if points or evaluator.off(closest) == math.inf else _point(evaluator, closest),
-        evaluations=asked,
+        evaluations=answers,
         notes=tuple(note for note in dict.fromkeys(notes) if note),
         seconds=perf_counter() - began,
         complete=complete,
