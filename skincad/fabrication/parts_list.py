@@ -40,7 +40,7 @@ SPARE_SHARE = 0.1  # assumption: of the strips, for those that crease
 TAPE = 0.05  # mm, source: makers' data sheets, polyimide tape with its adhesive
 BATHS_ML = 500  # ml, assumption: two baths in a jar that the parts fit in
 STRIP_FACES = "the strips' faces"
-BAR = "\0"  # stands for what parts cells
+BAR = "\0"  # stands for what parts cells, in the name of a file
 
 
 class Item(NamedTuple):
@@ -102,17 +102,15 @@ def _rows(job: Job, name: str) -> tuple[Item, ...]:
     """The rows of one of parts-list.txt's macros."""
     (primed, area), grams = _primed(job), dict[str, float]()
     for pour in pouring.pours(job):
-        key = _cell(pour.silicone.name)
-        grams[key] = grams.get(key, 0.0) + pour.batch
+        grams[pour.silicone.name] = grams.get(pour.silicone.name, 0.0) + pour.batch
     lines = macro(
         "papers/parts-list.txt",
         name,
         **facts(job),
         ceil=math.ceil,
-        cell=_cell,
         grams=grams,
         processes=[job.process(part) for part in job.closed.made],
-        bone_file=_cell(PurePath(job.bone.body.file).name) if job.bone else "",
+        bone_file=shown(PurePath(job.bone.body.file).name).replace("|", BAR) if job.bone else "",
         primed=primed,
         primed_area=area,
         NECK=NECK,
@@ -123,11 +121,6 @@ def _rows(job: Job, name: str) -> tuple[Item, ...]:
         cells = {key: value for key, _, value in (cell.partition("=") for cell in more)}
         items.append(Item(quantity, what, size, place=place, **cells))
     return tuple(items)
-
-
-def _cell(text: str) -> str:
-    """A person's own words, as a line of cells may hold them."""
-    return shown(text).replace("|", BAR)
 
 
 def parts_list(job: Job, estimates: tuple[ProcessEstimate, ...] = ()) -> list[Item]:

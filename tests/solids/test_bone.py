@@ -17,6 +17,7 @@ import shapely
 import skincad
 from skincad import InputError
 from skincad.fabrication import Job, design_findings, poured_volume, pours, pull_off, sheet_steps
+from skincad.fabrication.parts_list import parts_list
 from skincad.inputs import Design
 from skincad.solids import CutRole, PartRole, bone_of, lid_process, pinned, skin_part
 from skincad.solids.mold import mold
@@ -201,6 +202,14 @@ def test_a_bone_is_a_packages_link(on_stem: Design) -> None:
     package = skincad.package(on_stem, "urdf")
     density = lid_process(package.design).density  # as if of the lids' material
     assert package.weighs.carrier.mass == pytest.approx((160.0 + math.prod(STEM)) * density * 1e-3, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_a_bones_file_may_have_any_name_in_the_parts_list(tmp_path: Path) -> None:
+    path = tmp_path / "finger | left.step"
+    cq.exporters.export(stem(), str(path))
+    rows = parts_list(Job(skincad.load("lab-bench", ["ridge.count=3"]).with_(mold={"bone": str(path)})))
+    assert [row.designation for row in rows if row.what == "bone"] == [path.name]
 
 
 @pytest.mark.slow
