@@ -154,7 +154,7 @@ def _zero(x: Array, off: Array, i: int) -> float:
 
 
 def _crossing(state: Search) -> float | None:
-    """Where the model takes the wanted value without a known root beside; each third time the middle between
+    """Where the model takes the wanted value without a known root beside; each fourth time the middle between
     the points on both sides of it."""
     at = np.unique([*GRID, *state.seen])
     off = state.model(at) - state.wanted
@@ -172,7 +172,7 @@ def _crossing(state: Search) -> float | None:
         if 0 < k < len(x) and (y[k - 1] - state.wanted) * (y[k] - state.wanted) < 0:
             if x[k] - x[k - 1] <= CLOSE:
                 continue
-            if state.tries % 3 == 2:  # the model does not see what turns there
+            if state.tries % 4 == 3:  # the model does not see what turns there
                 place = float(x[k - 1] + x[k]) / 2
         if place not in state.seen:
             return place
