@@ -48,7 +48,11 @@ def in_space(gradient: Any, u: Any) -> Any:
 
 def assembled(form: Any, trial_function: Any, test: Any = None) -> sparse.csr_matrix:
     """Return the matrix of an integrand over a space, or over trial and test functions' spaces."""
-    whole = ng.BilinearForm(trialspace=trial_function, testspace=trial_function if test is None else test)
+    whole = (
+        ng.BilinearForm(trial_function)
+        if test is None
+        else ng.BilinearForm(trialspace=trial_function, testspace=test)
+    )
     whole += form
     whole.Assemble()
     return as_csr(whole.mat)
