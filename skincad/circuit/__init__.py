@@ -12,6 +12,6 @@ __getattr__, __dir__ = face(
     network: Complex Constants Network PICO Real capacitance charge electrode netlist
     response: decibels noise_samples total_density
     state: FilteredSignal PASS Recording Stepper band_limited corner delay evenly_spaced longest_step
-        recorded run sizes state_space stepper
+        recorded run state_space stepper
     """,
 )

@@ -10,7 +10,7 @@ from skincad.base.faces import face
 __getattr__, __dir__ = face(
     __name__,
     """
-    accuracy.accuracy: Accuracy LADDERS
+    accuracy.accuracy: Accuracy
     accuracy.contact: MESH measures_of
     accuracy.ladder: ErrorMeasure Ladder Measurement slope
     accuracy.slip: scene_on

@@ -265,7 +265,7 @@ def _finite(evaluation: Outcome) -> tuple[float, list[float]]:
 
 
 @dataclass
-class Points:
+class FixedPlaces:
     """Places that are known beforehand, a batch at a time, whatever is there."""
 
     batches: Iterator[list[Array]]
@@ -278,10 +278,10 @@ class Points:
         """Take no note."""
 
 
-def sobol(knobs: Sequence[DesignVariable], seed: int) -> Points:
+def sobol(knobs: Sequence[DesignVariable], seed: int) -> FixedPlaces:
     """Return points that fill the cube evenly."""
     points = qmc.Sobol(len(knobs), rng=seed)
-    return Points(list(points.random(SOBOL_BATCH)) for _ in itertools.count())
+    return FixedPlaces(list(points.random(SOBOL_BATCH)) for _ in itertools.count())
 
 
 def either(names: Sequence[str]) -> str:

@@ -23,7 +23,7 @@ from skincad.studies.optimisers import (
     OptimiserName,
     OptunaSearch,
     Outcome,
-    Points,
+    FixedPlaces,
     levels,
     optimiser,
     pareto_front,
@@ -64,7 +64,7 @@ def search(
     """
     count = combinations(knobs)
     if count is not None and count <= budget:
-        return Points(iter([_places(knobs)]))
+        return FixedPlaces(iter([_places(knobs)]))
     if name in SEVERAL:
         return optimiser(name, knobs, losses, seed, start)
     if len(knobs) == 1 and not knobs[0].choices:
