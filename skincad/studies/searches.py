@@ -19,11 +19,11 @@ from skincad.base.arrays import Array
 from skincad.studies.optimisers import (
     NEAR,
     SEVERAL,
+    FixedPlaces,
     Optimiser,
     OptimiserName,
     OptunaSearch,
     Outcome,
-    FixedPlaces,
     levels,
     optimiser,
     pareto_front,
