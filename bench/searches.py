@@ -1,7 +1,7 @@
 """How near to the best do the searches of `optimise` come? Random functions that take no time, at equal
 evaluations: one number, choices and whole numbers beside numbers, and choices and whole numbers alone.
 
-`python -m bench.searches 40 --seed 500` prints for 40 functions of each kind the regret: the best that a
+`python -m bench.searches 40 --seed 2000` prints for 40 functions of each kind the regret: the best that a
 search finds less the best that any of them finds (of one number, less the best on a dense grid), in parts of
 the function's standard deviation. A third of the functions are refused somewhere, half have a limit, a
 quarter are steps.

@@ -184,11 +184,11 @@ class OptunaSearch:
         kinds, steps = self._optuna.distributions, self._steps[number]
         if any(isinstance(choice, str) for choice in self.knobs[number].choices):
             return kinds.CategoricalDistribution(steps)
-        beyond = BEYOND if self.sampler == "tpe" else 0.0
+        margin = BEYOND if self.sampler == "tpe" else 0.0
         return (
             kinds.IntDistribution(0, len(steps) - 1)
             if steps
-            else kinds.FloatDistribution(-beyond, 1 + beyond)
+            else kinds.FloatDistribution(-margin, 1 + margin)
         )
 
     def _sampler(self, samplers: Any) -> tuple[Any, int, Sequence[Array]]:

@@ -86,8 +86,8 @@ def accuracy(
 
     def tell(stage: str) -> None:
         """Say what is done, and the s to the end of all: slower or faster than expected, as it was so far."""
-        done, prices_left = math.fsum(prices[: len(results)]), math.fsum(prices[len(results) :])
-        left = (PRIOR + since[-1] - since[0]) / (PRIOR + done) * prices_left - (perf_counter() - since[-1])
+        spent, prices_left = math.fsum(prices[: len(results)]), math.fsum(prices[len(results) :])
+        left = (PRIOR + since[-1] - since[0]) / (PRIOR + spent) * prices_left - (perf_counter() - since[-1])
         if progress:
             progress(f"{names[len(results)]}: {stage}", max(left, 0.0))
 

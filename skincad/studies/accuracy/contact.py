@@ -66,7 +66,7 @@ def ladder(design: Design, repeats: int, tell: Callable[[str], None]) -> Ladder:
     force, height = request.force, design.skin.thickness
     answers: list[ContactAnswer] = []
     skipped: dict[str, str] = {}
-    done: dict[str, Answer] = {}
+    known: dict[str, Answer] = {}
     for name in ORDER:
         reason = unsupported_reason(name, design, measured=False)
         try:
@@ -76,7 +76,7 @@ def ladder(design: Design, repeats: int, tell: Callable[[str], None]) -> Ladder:
                 if name == "solid":
                     answers += solid_levels(design, force, repeats, tell)
                 tell(name)
-                answers.append(whole_model(name, design, request, repeats, done))
+                answers.append(whole_model(name, design, request, repeats, known))
         except (InputError, RefusedError) as refusal:
             reason = str(refusal)
         if reason:
@@ -110,9 +110,9 @@ def plane_levels(
         numbers = level.all_touch_force, level.approach
         answers.append(ContactAnswer(name, setting, level.unknowns, runs, *numbers))
     *others, finest = answers
-    own = apart(finest, others[-1], force, pad.top)
-    words = f"{finest.setting}; {others[-1].setting} differs by {own[0]:.0e}, approach {own[1]:.0e}"
-    return [*others, replace(finest, own_errors=own, words=words)]
+    errors = apart(finest, others[-1], force, pad.top)
+    words = f"{finest.setting}; {others[-1].setting} differs by {errors[0]:.0e}, approach {errors[1]:.0e}"
+    return [*others, replace(finest, own_errors=errors, words=words)]
 
 
 def solid_levels(
@@ -134,33 +134,33 @@ def solid_levels(
 
 
 def whole_model(
-    name: str, design: Design, request: Request, repeats: int, done: dict[str, Answer]
+    name: str, design: Design, request: Request, repeats: int, known: dict[str, Answer]
 ) -> ContactAnswer:
     """Return a model's answer as `check` takes it; what it builds on is taken from `done` and added there."""
-    alone, answers = name in ALONE, done
+    alone, answers = name in ALONE, known
 
     def work() -> Answer:
         nonlocal answers
-        answers = {} if alone else done
+        answers = {} if alone else known
         return run(name, design, request, answers, None)
 
     answer, runs = timed(work, repeats if alone else 1)
     force, approach = answer.all_touch_force, answer.approach
     refuse_crushed(design, request.force, name, approach.value or 0.0)
-    done |= answers
+    known |= answers
     if not alone:
         runs = (math.fsum(answer.seconds.values()),)
 
     def stated(estimate: Estimate, least: float) -> float:
         return math.nan if estimate.value is None else (estimate.error or 0.0) / max(estimate.value, least)
 
-    own, words = (stated(force, NEGLIGIBLE * request.force), stated(approach, 0.0)), ""
+    errors, words = (stated(force, NEGLIGIBLE * request.force), stated(approach, 0.0)), ""
     if name != "winkler":
-        words = f"model {name}; its stated error, {own[0]:.1e} of the all-touch force and "
-        words += f"{own[1]:.1e} of the approach, is checked against finer meshes in tests/mechanics"
+        words = f"model {name}; its stated error, {errors[0]:.1e} of the all-touch force and "
+        words += f"{errors[1]:.1e} of the approach, is checked against finer meshes in tests/mechanics"
     setting = "as check takes it" if words else "closed form"
     numbers = answer.unknowns, runs, force.value, approach.value or 0.0
-    return ContactAnswer(name, setting, *numbers, own_errors=own, words=words)
+    return ContactAnswer(name, setting, *numbers, own_errors=errors, words=words)
 
 
 def errors_of(
@@ -191,10 +191,10 @@ def measures_of(truths: Mapping[str, ContactAnswer], best: str) -> tuple[ErrorMe
     own_words = "; ".join(f"{name}: {truth.words}" for name, truth in truths.items() if name in AIM.values())
     against = f"{best or 'none'}: the best model that can judge this design"
     measures = []
-    for (key, quantity), own in zip(
+    for (key, quantity), errors in zip(
         QUANTITIES.items(), truths[best].own_errors if best else (0.0, 0.0), strict=True
     ):
-        floor = 0.0 if math.isnan(own) else own
+        floor = 0.0 if math.isnan(errors) else errors
         mesh, whole = (
             f"error of {of} in {quantity}, relative" for of in ("mesh and method", "model and mesh")
         )

@@ -77,12 +77,12 @@ def apart(simulation: Simulation, truth: Simulation) -> dict[str, float]:
     exact = np.interp(at, truth.march.time, signal(truth))
     errors = {"signal": float(np.abs(signal(simulation)[: at.size] - exact).max() / np.abs(exact).max())}
     rate, there = (  # MPa/s, of the band-limited signals; 0 without any
-        max((float(np.abs(s.rate).max()) for s in each.signals.values()), default=0.0)
-        for each in (simulation, truth)
+        max((float(np.abs(s.rate).max()) for s in run.signals.values()), default=0.0)
+        for run in (simulation, truth)
     )
     if there:
         errors["peak rate"] = abs(rate / there - 1)
-    steps = [each.slip_steps[min(TOLD, len(each.slip_steps)) - 1] for each in (simulation, truth)]
+    steps = [run.slip_steps[min(TOLD, len(run.slip_steps)) - 1] for run in (simulation, truth)]
     if steps[0] is not None and steps[1] is not None:
         late = float(simulation.march.time[steps[0]]) - float(truth.march.time[steps[1]])
         errors["slip"] = abs(late) / truth.scene.history.time_s[-1]
@@ -110,8 +110,8 @@ def ladder(design: Design, repeats: int, tell: Callable[[str], None]) -> Ladder:
                 tell(setting)
                 scene = scene_on(design, f"history.steps={count}")
                 # the last is the reference: its time is not asked
-                asked = repeats if setting != steps[-1][0] else 1
-                results.append(timed(partial(marched, scene, level, MOST), asked))
+                times = repeats if setting != steps[-1][0] else 1
+                results.append(timed(partial(marched, scene, level, MOST), times))
         except (InputError, RefusedError) as refusal:
             skipped[model] = str(refusal)
             continue
