@@ -1,19 +1,15 @@
-"""The network of a circuit: constants, elements, topologies, and its SPICE netlist.
+"""The network of a circuit: a topology makes a list of elements of constants, and all else follows from it.
 
-The constants that a topology makes its elements of, in SI. Source: Yamada et al. 2002, equations (1) to (9)
-and Figs 5 and 6: the film is a current source beside its static capacitance and a series R-L-C (motional)
-branch.
+Constants are in SI. The film is a current source beside its static capacitance and a series R-L-C (motional)
+branch: Yamada et al. 2002, equations (1) to (9) and Figs 5 and 6. Its capacitance is that of parallel plates,
+right while the electrode is much wider than the film is thick. Its charge is D3 = d31 T1 + d32 T2 + d33 T3
+(IEEE Std 176-1987), 1 the draw axis.
 
-The elements that a circuit is a list of; response, state equations, noise and netlist follow from it. Nodes
-are names. Three have a meaning: `GROUND`, `LOAD`, whose voltage is the load in N, and `OUT`.
+Nodes are names. Three have a meaning: `GROUND`, `LOAD`, whose voltage is the load in N, and `OUT`.
 
-The film's own values: capacitance from its size, charge from the three stresses. Source: parallel plates (the
-edge's stray field left out: right while the electrode is much wider than the film is thick); piezoelectric
-charge D3 = d31 T1 + d32 T2 + d33 T3 (IEEE Std 176-1987), 1 the draw axis.
-
-The amplifiers: each a function from constants to the list of elements behind the film. A new one is a
-function here and its line in TOPOLOGIES; `amplifier.topology` names it. The nodes `film` (the film's
-electrode) and `vout` are given; capacitors and sources alone must not close a loop.
+An amplifier is a function from constants to the elements behind the film. A new one is a function here and
+its line in TOPOLOGIES; `amplifier.topology` names it. The nodes `film` (the film's electrode) and `vout` are
+given; capacitors and sources alone must not close a loop.
 """
 
 from __future__ import annotations
@@ -172,8 +168,9 @@ def charge(
 ) -> NDArray[np.float64]:
     """Return the charge on a strip, C, from mean stresses in MPa, tension positive, of any one shape.
 
-    `through` the film, `along` the strip's length (y) and `across` its width in the section. In plane strain
-    `along` is not zero: it counts as much as the others. `area` mm2; `coefficients` d31, d32, d33 in pC/N.
+    `through` the film, `along` the strip's length (y) and `transverse` its width in the section. In plane
+    strain `along` is not zero: it counts as much as the others. `area` mm2; `coefficients` d31, d32, d33 in
+    pC/N.
     """
     d31, d32, d33 = (d * PICO for d in coefficients)
     of_length, of_width = (d31, d32) if draw_axis == "length" else (d32, d31)

@@ -1,8 +1,8 @@
 """Signals in time: a network's state space, the low-pass with rate and jerk, and the recorder.
 
-The exponential of a small matrix whose rates lie many powers of ten apart. Scaling and squaring loses as many
-digits of the slow rates as the fastest is faster: 1e10 times leaves six of sixteen. In decimal numbers of 120
-digits the slow ones keep all of double's for rates 1e60 apart, and a 6 x 6 matrix takes some 5 ms.
+The rates of a network lie many powers of ten apart. In doubles, scaling and squaring of its matrix would lose
+as many digits of the slow rates as the fastest is faster: 1e10 times leaves six of sixteen. So `exponential`
+takes 120 decimal digits, which is enough for rates 1e60 apart. A 6 x 6 matrix takes some 5 ms.
 
 States: those of the response, a ratio of polynomials in s (controllable canonical form: Kailath, Linear
 Systems, 1980, sec. 2.1). The charge runs straight from sample to sample, so its rate is their difference.

@@ -38,7 +38,7 @@ def primed(job: Job) -> bool:
 class Task(NamedTuple):
     """What is done, for how many minutes by hand, how many minutes nobody touches it afterwards, and how many
     minutes of what follows must end on the same day: primer is good for hours. Some begin a day after the
-    last cure. In a plan it has the day and the hour at which it begins."""
+    last cure. A plan sets the day and the hour at which it begins; a task alone has neither."""
 
     what: str
     hands: float

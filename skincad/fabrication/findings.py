@@ -211,8 +211,9 @@ def undercut_findings(job: Job) -> list[Finding]:
     for first, *others in alike.values():
         undercut, more = caught[first], f" and {len(others)} more, less" if others else ""
         where = f"{job.skin.named(first)}{more}, {undercut.width:.4f} mm wide"
-        severity, remedy = error if undercut.strain > limit else note, f"{cure} (limit: {breaks})"
-        findings.append(severity("undercut", where, undercut.strain, limit, "squeezed", remedy))
+        make = error if undercut.strain > limit else note
+        remedy = f"{cure} (limit: {breaks})"
+        findings.append(make("undercut", where, undercut.strain, limit, "squeezed", remedy))
     return findings
 
 

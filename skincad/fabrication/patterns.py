@@ -182,7 +182,7 @@ def strip_patterns(job: Job) -> list[StripPattern]:
 
 
 def pattern_notes(job: Job) -> list[str]:
-    """Return what is written under the pattern."""
+    """Return what is written under the pattern; call it where there is film."""
     slot, radius = job.skin.slot, job.design.skin.curvature_radius_y
     strain = 0.0 if radius is None or slot is None else slot.depth / 2 / radius  # of a strip's edges
     return pattern_words("strips", job=job, strain=strain)

@@ -21,8 +21,8 @@ from skincad.inputs.shipped import check_names, table_text
 PROCESSES = tuple(tomllib.loads(table_text("processes")))
 
 
-def _limit(unit: str, meaning: str, most: float) -> Any:
-    """Describe a limit of a process, at most `most`; 0 where it has none."""
+def _from_zero(unit: str, meaning: str, most: float) -> Any:
+    """Describe a number of a process from 0 to `most`; 0 where it has none."""
     return quantity(unit, meaning, ge=0.0, le=most, default=0.0)
 
 
@@ -34,10 +34,10 @@ class Process(SparseTable):
         description="the shipped process that a new one takes all other values from",
         json_schema_extra={"enum": [*PROCESSES, None]},
     )
-    gap: float = _limit("mm", "narrowest groove or slit", 100.0)
-    wall: float = _limit("mm", "thinnest tooth or wall", 100.0)
-    hole: float = _limit("mm", "smallest diameter of a round hole", 100.0)
-    clearance: float = _limit("mm", "least gap per side at which parts slide into each other", 10.0)
+    gap: float = _from_zero("mm", "narrowest groove or slit", 100.0)
+    wall: float = _from_zero("mm", "thinnest tooth or wall", 100.0)
+    hole: float = _from_zero("mm", "smallest diameter of a round hole", 100.0)
+    clearance: float = _from_zero("mm", "least gap per side at which parts slide into each other", 10.0)
     tolerance: float = quantity("mm", "a surface comes out within ± this", gt=0.0, le=10.0, default=0.1)
     growth: float = quantity(
         "mm",
@@ -51,18 +51,18 @@ class Process(SparseTable):
         description="what shapes: a mill or a lathe, which come from above, a wire, which is straight, "
         "a screen, whose pixels are whole, or none",
     )
-    tool_radius: float = _limit("mm", "of a ball-end mill, a turning tool's nose or a wire", 100.0)
-    spark_gap: float = _limit("mm", "between wire and work", 10.0)
-    groove_ratio: float = _limit("1", "deepest groove by the tool's diameter", 1000.0)
-    tooth_ratio: float = _limit("1", "height of a free tooth by its width", 1000.0)
-    pixel: float = _limit("mm", "finest detail in a layer's plane", 10.0)
-    layer: float = _limit("mm", "height of a layer", 10.0)
-    coating: float = _limit(
+    tool_radius: float = _from_zero("mm", "of a ball-end mill, a turning tool's nose or a wire", 100.0)
+    spark_gap: float = _from_zero("mm", "between wire and work", 10.0)
+    groove_ratio: float = _from_zero("1", "deepest groove by the tool's diameter", 1000.0)
+    tooth_ratio: float = _from_zero("1", "height of a free tooth by its width", 1000.0)
+    pixel: float = _from_zero("mm", "finest detail in a layer's plane", 10.0)
+    layer: float = _from_zero("mm", "height of a layer", 10.0)
+    coating: float = _from_zero(
         "mm", "of what seals its parts against platinum silicone, where they keep that from curing", 1.0
     )
-    build_x: float = _limit("mm", "build volume of the machine, the longer side", 1e5)
-    build_y: float = _limit("mm", "the shorter side", 1e5)
-    build_z: float = _limit("mm", "and its height", 1e5)
+    build_x: float = _from_zero("mm", "build volume of the machine, the longer side", 1e5)
+    build_y: float = _from_zero("mm", "the shorter side", 1e5)
+    build_z: float = _from_zero("mm", "and its height", 1e5)
     thread: Literal["tapped", "heat-set", "glued"] = Field(
         default="tapped",
         description="how its parts get an M3 thread: cut in, or by an insert that is melted or glued in",
@@ -73,7 +73,7 @@ class Process(SparseTable):
     overhang: float = quantity(
         "deg", "steepest overhang without support, from the vertical", ge=0.0, le=90.0, default=90.0
     )
-    bridge: float = _limit("mm", "widest horizontal hole that needs no support", 1000.0)
+    bridge: float = _from_zero("mm", "widest horizontal hole that needs no support", 1000.0)
     orientation: Literal["flat", "end"] = Field(
         default="flat", description="how a cavity is printed: flat (ridges' grooves up) or on its y end"
     )
@@ -83,7 +83,9 @@ class Process(SparseTable):
     chord: float = quantity(
         "mm", "how far a print mesh may leave the true surface", gt=0.0, le=10.0, default=0.01
     )
-    roughness: float = _limit("um", "Ra of faces as the process leaves them, which silicone copies", 1000.0)
+    roughness: float = _from_zero(
+        "um", "Ra of faces as the process leaves them, which silicone copies", 1000.0
+    )
     crest_sigma: float = quantity(
         "mm", "standard deviation of a cast ridge's crest height", ge=0.0, le=10.0, default=0.01
     )
@@ -104,12 +106,12 @@ class Process(SparseTable):
     )
     material: str = Field(default="", description="what its parts are made of", max_length=60)
     density: float = quantity("g/cm3", "of filament, cured resin or stock", gt=0.0, le=30.0, default=1.0)
-    price: float = _limit("EUR/kg", "of filament, resin or stock", 1e5)
-    rate: float = _limit("EUR/h", "of the machine, with who runs it", 1e4)
-    setup: float = _limit(
+    price: float = _from_zero("EUR/kg", "of filament, resin or stock", 1e5)
+    rate: float = _from_zero("EUR/h", "of the machine, with who runs it", 1e4)
+    setup: float = _from_zero(
         "min", "to set up a plate of prints, or a part in a machine, and to finish it; in the cost alone", 1e4
     )
-    waste: float = _limit("1", "material lost by the mass that is estimated; in the cost alone", 10.0)
+    waste: float = _from_zero("1", "material lost by the mass that is estimated; in the cost alone", 10.0)
     mass_error: float = quantity(
         "1", "share by which an estimated mass may be off", ge=0.0, le=1.0, default=0.1
     )
@@ -131,18 +133,18 @@ class Process(SparseTable):
     first_speed: float = quantity("mm/s", "of all lines of the first layer", gt=0.0, le=1e4, default=20.0)
     travel_speed: float = quantity("mm/s", "from a line to the next", gt=0.0, le=1e4, default=180.0)
     acceleration: float = quantity("mm/s2", "of the nozzle", gt=0.0, le=1e6, default=1000.0)
-    exposure: float = _limit("s", "of a layer of resin", 1e4)
-    first_exposure: float = _limit("s", "of each of the first layers", 1e4)
+    exposure: float = _from_zero("s", "of a layer of resin", 1e4)
+    first_exposure: float = _from_zero("s", "of each of the first layers", 1e4)
     first_layers: int = quantity("1", "that are exposed so long", ge=0, le=1000, default=3)
     fading: int = quantity("1", "layers from that exposure to the usual one", ge=0, le=1000, default=10)
-    lift: float = _limit("s", "from a layer's exposure to the next one's", 1e4)
-    allowance: float = _limit("mm", "by which stock is larger than its part, on each side", 1000.0)
-    removal_rate: float = _limit("mm3/min", "of roughing; 0: what is cut off comes off in one piece", 1e7)
+    lift: float = _from_zero("s", "from a layer's exposure to the next one's", 1e4)
+    allowance: float = _from_zero("mm", "by which stock is larger than its part, on each side", 1000.0)
+    removal_rate: float = _from_zero("mm3/min", "of roughing; 0: what is cut off comes off in one piece", 1e7)
     finish_rate: float = quantity("mm2/min", "of faces, all passes", gt=0.0, le=1e6, default=100.0)
     fine_rate: float = quantity(
         "mm2/min", "of the skin's negative and of notches, all passes", gt=0.0, le=1e6, default=10.0
     )
-    hole_time: float = _limit("min", "of a hole, with its thread or fit", 1e4)
+    hole_time: float = _from_zero("min", "of a hole, with its thread or fit", 1e4)
 
     @property
     def reach(self) -> float:

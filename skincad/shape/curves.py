@@ -215,10 +215,8 @@ def polygon(outline: Loop, tolerance: float) -> Array:
 def offset(outline: Loop, distance: float, tolerance: float) -> list[Array]:
     """Return the outline moved outward by `distance` mm (inward if negative) as polygons within
     `tolerance` mm; round at the corners, so opening and closing with it are those of a round tool."""
-    chords = math.ceil(
-        math.pi / 4 / math.sqrt(tolerance / max(abs(distance), tolerance))
-    )  # of a quarter turn
-    grown = shapely.Polygon(polygon(outline, tolerance / 2)).buffer(distance, quad_segs=max(4, chords))
+    quarter = math.ceil(math.pi / 4 / math.sqrt(tolerance / max(abs(distance), tolerance)))  # its chords
+    grown = shapely.Polygon(polygon(outline, tolerance / 2)).buffer(distance, quad_segs=max(4, quarter))
     parts = getattr(grown, "geoms", [grown])
     return [np.asarray(p.exterior.coords)[:-1] for p in parts if not p.is_empty]
 

@@ -246,7 +246,8 @@ class Evaluator:
         """Return the wished results' values; None where one has none or the design is refused."""
         if evaluation.refused or not evaluation.results:
             return None
-        values = [evaluation.results[key].value for key in self.target]
+        known = evaluation.results
+        values = [known[key].value if key in known else None for key in self.target]
         return [value for value in values if value is not None] if None not in values else None
 
     def missed(self, evaluation: Evaluation) -> list[float] | None:

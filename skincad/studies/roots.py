@@ -250,15 +250,19 @@ def _turn(state: Search, rise: float = 0.0) -> float | None:
 
 
 def _settle(state: Search) -> None:
-    """Tell roots, one of neighbours between which the model is within tolerance too, and jumps."""
+    """Tell roots, one of neighbours between which the model is within tolerance too, and jumps. A crossing as
+    steep as the function beside it is no jump: the tolerance is finer than the search tells."""
     x, y = state.points
     off = np.abs(y - state.wanted)
     hits = np.flatnonzero(off <= state.tol)
     apart = np.abs(state.model((x[:-1] + x[1:]) / 2) - state.wanted) > state.tol
     groups = np.split(hits, 1 + np.flatnonzero((np.diff(hits) > 1) | apart[hits[:-1]]))
     state.roots = [float(x[group[np.argmin(off[group])]]) for group in groups if len(group)]
-    turned = (np.diff(y > state.wanted)) & (np.minimum(off[:-1], off[1:]) > state.tol)
-    state.jumps = ((x[:-1] + x[1:]) / 2)[turned & (np.diff(x) <= CLOSE)].tolist()
+    turned = np.diff(y > state.wanted) & (np.minimum(off[:-1], off[1:]) > state.tol) & (np.diff(x) <= CLOSE)
+    slopes = np.pad(np.abs(np.diff(y) / np.diff(x)), 1)
+    jumps = turned & (slopes[1:-1] > BENT * np.maximum(slopes[:-2], slopes[2:]))
+    state.jumps = ((x[:-1] + x[1:]) / 2)[jumps].tolist()
+    state.complete = state.complete and not (turned & ~jumps).any()
 
 
 Place = tuple[float, ...]  # on the unit cube

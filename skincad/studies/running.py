@@ -90,7 +90,7 @@ class Log:
     def skip(self) -> None:
         """Leave out what the file has now: those evaluations are asked anew, and their lines stay."""
         if self.path.exists():
-            self._read = self.path.stat().st_size
+            self._read = self.path.read_bytes().rfind(b"\n") + 1  # a torn line makes room for the next
 
     def read(self) -> None:
         """Take in what was appended since, by other runs too; raises InputError for a file that is no log."""
@@ -131,8 +131,7 @@ class Log:
         if fcntl is None or self.folder is None:
             return True
         if self._claims < 0:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            self._claims = os.open(self.folder / CLAIMS, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            self._claims = self._open(self.folder / CLAIMS)
         try:
             fcntl.lockf(self._claims, sum(getattr(fcntl, name) for name in names.split()), 1, slot)
         except BlockingIOError:
@@ -143,17 +142,27 @@ class Log:
 
     @contextmanager
     def _opened(self) -> Iterator[int]:
+        handle = self._open(self.path, os.O_APPEND)
         try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            how = os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC
-            handle = os.open(self.path, how, 0o644)
-            try:
-                yield handle
-            finally:
-                os.close(handle)
+            yield handle
         except OSError as failure:
-            rule = f"{str(self.path)[:80]} cannot be written ({failure.strerror or failure})"
-            raise InputError("folder", rule, remedy="name another folder, or make room") from None
+            raise _unwritten(self.path, failure) from None
+        finally:
+            os.close(handle)
+
+    @staticmethod
+    def _open(path: Path, how: int = 0) -> int:
+        """Open a file, made with its folder where there is none."""
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            return os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | how, 0o644)
+        except OSError as failure:
+            raise _unwritten(path, failure) from None
+
+
+def _unwritten(path: Path, failure: OSError) -> InputError:
+    rule = f"{str(path)[:80]} cannot be written ({failure.strerror or failure})"
+    return InputError("folder", rule, remedy="name another folder, or make room")
 
 
 def log_in(folder: Path | str | None, *, fresh: bool) -> Log:
@@ -225,7 +234,7 @@ class Run:
     def at(
         self, points: Sequence[Values], workers: Workers, on_evaluation: OnEvaluation | None = None
     ) -> list[Evaluation]:
-        """Return the evaluations of `points`, in their order; `told` of each as it is done.
+        """Return the evaluations of `points`, in their order; `on_evaluation` hears of each as it is done.
 
         What was finished before an interruption stays in the log.
         """

@@ -37,7 +37,7 @@ RESOLUTION = 1e-5  # of the range, to which an edge of the allowed range is refi
 VALLEY = 1e-4  # of the range, to which a minimum is refined: its loss is then right to the square of that
 FRONT_GAP = 1e-3  # of the front's extent in a loss, from which a gap in it is filled
 REFINED = 20  # evaluations that refine a number beside choices
-TPE_MOST = 400  # evaluations, above which TPE takes seconds for each and CMA-ES is as good
+TPE_MOST = 400  # evaluations, above which CMA-ES is as good and takes no time
 BROKEN, REFUSED = 1e30, 1e60  # above each loss: where a limit is broken, and where there is no result
 Task = tuple[str, float, float]  # of a line: edge, valley or gap, and between which places
 
@@ -70,7 +70,9 @@ def search(
     if len(knobs) == 1 and not knobs[0].choices:
         return LineSearch(knobs[0], losses, budget, start, known)
     numbers = sum(not levels(knob) for knob in knobs)
-    if budget <= TPE_MOST and (numbers == 0 or (numbers < len(knobs) and losses == 1 and name is None)):
+    mixed = numbers < len(knobs) and losses == 1
+    tpe = name is None and budget <= TPE_MOST and (numbers == 0 or mixed)
+    if tpe or len(knobs) == 1:  # CMA-ES takes two keys or more
         if losses == numbers == 1:
             return ChoicesAndNumber(knobs, budget, seed, start, known)
         return OptunaSearch("tpe", knobs, losses, seed, start, budget, known)

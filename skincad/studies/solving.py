@@ -207,7 +207,8 @@ def solve(
     if len(refused) == len(answers):
         notes.append(f"every value is refused, the first since {refused[0]}")
     for key in [] if refused else evaluator.target:
-        if all(evaluation.results[key].value is None for evaluation in answers):
+        rows = [evaluation.results[key] for evaluation in answers if key in evaluation.results]
+        if all(row.value is None for row in rows):
             notes.append(f"the result has no {key} at any value that was tried")
     notes += [_uncast(subject, *entry) for point in points for entry in point.values.items()]
 
@@ -344,8 +345,8 @@ def _crossings(
     )
     notes = [f"at {knob.key} {short(knob.at(x))} the result jumps past what is wanted" for x in zeros.jumps]
     if not zeros.exact:
-        words = f"the search ended after {most} evaluations and may have missed some: --evaluations"
-        notes.insert(0, words)
+        used_up = f"the search ended after {most} evaluation{'s' * (most > 1)} and may have missed some"
+        notes.insert(0, f"{used_up}: --evaluations")
     points = []
     for share in zeros.roots:
         evaluation = evaluator.ask(values(share))

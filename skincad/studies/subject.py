@@ -322,8 +322,8 @@ class DesignVariable:
 def knob(subject: Subject, key: str, choices_told: RangeText) -> DesignVariable:
     """Return the knob of a key of a design, scene or circuit.
 
-    `told` is a text as on the command line, or (low, high), (low, high, count), or a list of choices. Raises
-    InputError for an unknown key, for one that holds no number or name, and for an empty range.
+    `choices_told` is a text as on the command line, or (low, high), (low, high, count), or a list of choices.
+    Raises InputError for an unknown key, for one that holds no number or name, and for an empty range.
     """
     field = field_of(subject, key)
     types = {float if kind is NumberWithRange else kind for kind in kinds(field) if isinstance(kind, type)}

@@ -66,6 +66,24 @@ def test_a_torn_tail_is_cut_off_by_the_next_that_appends(tmp_path: Path, first: 
     assert log.path.read_bytes() == whole + line(tmp_path, numbered(2))
 
 
+def test_a_torn_tail_is_passed_over_by_a_fresh_start(tmp_path: Path) -> None:
+    log = Log(tmp_path)
+    log.append(numbered(0))
+    with log.path.open("ab") as file:
+        file.write(line(tmp_path, numbered(1))[:40])
+    fresh = Log(tmp_path)
+    fresh.skip()
+    fresh.append(numbered(2))
+    fresh.read()
+    assert [*fresh.evaluations] == [numbered(2).key]
+
+
+def test_a_folder_that_cannot_be_made_is_bad_input(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match="cannot be written"):
+        Log(tmp_path / "file" / "log").claim(numbered(0).key)
+
+
 @pytest.mark.parametrize("text", ["not json\n", "[1, 2]\n", '{"key": 1}\n', "null\n"])
 def test_another_file_of_that_name_is_refused_and_stays(tmp_path: Path, text: str) -> None:
     (tmp_path / "evaluations.jsonl").write_text(text)

@@ -252,6 +252,15 @@ def test_the_budget_is_spent_on_new_designs_alone(count: int, monkeypatch: pytes
         assert result.evaluations <= tried + 1  # and the start, for the judge
 
 
+def test_one_key_of_many_choices_is_searched(monkeypatch: pytest.MonkeyPatch) -> None:
+    """More than fit, and more evaluations than TPE takes beside other keys: CMA-ES takes no single key."""
+    work(monkeypatch, force=lambda design: abs(design.ridge.height - 0.41), depth=lambda _: 0.0)
+    heights = np.linspace(0.3, 0.6, 420).round(5).tolist()
+    for name in (None, "cma"):
+        result = optimise(study({"ridge.height": heights}, ["force"], evaluations=405, optimiser=name))
+        assert result.front[0].values["ridge.height"] == pytest.approx(0.41, abs=1e-3)
+
+
 @pytest.mark.parametrize("name", ["sobol", pytest.param("nsga2", marks=SEEDS)])
 def test_a_named_optimiser_spends_its_budget_too(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A whole number has few places on the cube, which both ask again and again."""

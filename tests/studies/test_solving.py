@@ -92,6 +92,8 @@ def test_jumps_ends_and_missing_values() -> None:
     assert match.jumps == pytest.approx([0.3], abs=CLOSE)
     match = search(lambda x: None if x < 0.55 else 1 / (x - 0.5), 12.0, 0.05, 40)
     assert match.roots == pytest.approx([0.5 + 1 / 12], abs=1e-3)  # 0.05 over the slope 144, doubled
+    fine = search(lambda x: x**3 + 0.1 * x, 0.3, 1e-9, 40)  # finer than a search tells, but no jump
+    assert (fine.roots, fine.jumps, fine.complete) == ([], [], False)
     nothing = search(lambda _: None, 1.0, 1e-3, 40)
     assert (nothing.roots, nothing.exact, len(nothing.seen)) == ([], True, 9)
     above = search(lambda x: 1 + x, 3.0, 1e-3, 40)

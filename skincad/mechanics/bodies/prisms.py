@@ -175,8 +175,7 @@ class Solid:
 
     `rigid_body_error` is by how much a rigid lift of the clamped back by 1 fails to lift the contact unknowns
     by 1, beyond what the functions miss of it: the factorisation's rounding error. `in_plane` `(3 k, 3 k)` is
-    the flexibility of movements along x, z and y, 0 where
-    one is held; empty unless asked for.
+    the flexibility of movements along x, z and y, 0 where one is held; empty unless asked for.
     """
 
     seen: ContactStiffness

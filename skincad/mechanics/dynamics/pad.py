@@ -31,7 +31,8 @@ from skincad.mechanics.problem import SizeError
 def linear(
     piece: PadPiece, mesh: object, order: int, films: bool, *, massless_contact: bool = True
 ) -> PadEquations:
-    """Return the equations of netgen's mesh of the piece; `films` asks for the strips' stresses.
+    """Return the equations of netgen's mesh of the piece; `films` asks for the strips' stresses. With
+    `massless_contact` contact points have no mass, so that contact starts no waves of its own.
 
     Raises SizeError for more contact unknowns than a dense block can hold.
     """

@@ -23,7 +23,8 @@ from skincad.shape.skin import skin_of
 
 @dataclass(frozen=True)
 class ContactModel:
-    """`where` is module and function of its `answer(design, request, progress, *answers it builds on)`.
+    """`where` is the module of models/ and the function in it, which takes design, request, progress and the
+    answers that it builds on.
 
     `price` is the time of its own part, without the models in `builds_on`, in that of the linear model: of
     yamada-2002, whose strips ask for a fine section. It judges skins of `families` and, beside flat plates
@@ -43,8 +44,12 @@ class ContactModel:
 SHAPED, MEASURED, DOUBLY, ROUND = "shaped plates", "measured crests", "double curvature", "discs"
 SMALL, ALL = (FINITE_STRAIN,), ("ridge", "flat", "ring", "pin")
 MODELS = {
-    "winkler": ContactModel("winkler:answer", 2e-3, (), (), (SHAPED, DOUBLY), False, ("ridge",)),
-    "reduced": ContactModel("reduced:answer", 5.0, SMALL, (), (ROUND,), False, ("ridge", "pin")),
+    "winkler": ContactModel(
+        "winkler:answer", 2e-3, takes=(SHAPED, DOUBLY), meshed=False, families=("ridge",)
+    ),
+    "reduced": ContactModel(
+        "reduced:answer", 5.0, SMALL, takes=(ROUND,), meshed=False, families=("ridge", "pin")
+    ),
     "linear": ContactModel(
         "linear:answer", 1.0, (FREE_ENDS, *SMALL), takes=(SHAPED, MEASURED, ROUND), families=ALL
     ),

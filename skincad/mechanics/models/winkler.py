@@ -135,8 +135,8 @@ def crown_height_spread(design: Design) -> float:
 
 def half_widths(
     design: Design, line: Array, approach: float, carrying: float, last: float
-) -> tuple[float, float, float, float, float]:
-    """Return the half-widths of a verdict: of the all-touch force and of the approach relative to them, of a
+) -> tuple[tuple[float, float, float], tuple[float, float]]:
+    """Return the half-widths of a verdict, of the all-touch force and of the approach relative to them, of a
     share relative to the mean share; and the factors on stiffer and softer springs between which shares are
     taken.
 
@@ -159,7 +159,7 @@ def half_widths(
     reached = max(usual, APPROACH_MARGIN + tips, 1 - 1 / base_factor)
     share = DOUBLY_SHARE_ERROR if doubly else SHARE_ERROR
     stiffest = max(1 + threshold, STIFFENING_MARGIN * base_factor)
-    return threshold, reached, share, stiffest, 1 / (1 + max(reached, at_last))
+    return (threshold, reached, share), (stiffest, 1 / (1 + max(reached, at_last)))
 
 
 def share_error(usual: float, shares: Array, others: list[Array]) -> float:
@@ -290,7 +290,8 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
     touched = _contact_angles(design, depth) / _end_angle(design) if doubly else depth > 0
     line = depth * relative_stiffness(design) / math.fsum(compliances(design))
     carrying = float(touched.sum())
-    of_force, of_approach, of_share, *factors = half_widths(design, line, approach, carrying, last)
+    widths, factors = half_widths(design, line, approach, carrying, last)
+    of_force, of_approach, of_share = widths
     on_crowns = float(line_forces(design, last + crown_height_spread(design)).sum())
     missed = of_force * threshold + (1 + of_force) * (on_crowns - threshold)
     reached = of_approach * approach

@@ -128,10 +128,8 @@ def _sensors(design: Design) -> Iterator[SensorPlace]:
     slot, tilt = design.slot, math.radians(design.slot.tilt)
     sides: tuple[tuple[Side, int], ...] = ("S1", -1), ("S2", 1)
     for side, sign in sides:
-        centre, along = (
-            Point(sign * slot.offset, slot.elevation),
-            Point(-sign * math.sin(tilt), math.cos(tilt)),
-        )
+        centre = Point(sign * slot.offset, slot.elevation)
+        along = Point(-sign * math.sin(tilt), math.cos(tilt))
         yield SensorPlace(0, side, centre, along, slot.depth, design.core_thickness)
 
 

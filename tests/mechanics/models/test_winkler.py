@@ -275,8 +275,8 @@ def widths(design: Design, depth: float, carrying: float, last: float) -> Simple
     line = np.zeros(design.ridge.count)
     line[4] = depth / sum(winkler.compliances(design))
     names = "threshold", "approach", "share", "stiffer", "softer"
-    values = winkler.half_widths(design, line, depth, carrying, last)
-    return SimpleNamespace(**dict(zip(names, values, strict=True)))
+    relative, factors = winkler.half_widths(design, line, depth, carrying, last)
+    return SimpleNamespace(**dict(zip(names, (*relative, *factors), strict=True)))
 
 
 def test_bars_are_the_usual_ones_or_what_an_indicator_says() -> None:
