@@ -10,7 +10,7 @@ import json
 import os
 import re
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,6 +23,7 @@ from skincad.base.errors import InputError, RefusedError, did_you_mean, shown
 from skincad.base.outfolder import checked_fresh, fresh
 from skincad.base.reading import tables_of, text_of
 from skincad.base.tables import Document, NumberWithRange, Table, table_of, unit_of
+from skincad.fabrication.papers import macro
 from skincad.inputs import shipped
 from skincad.inputs.catalog import (
     KINDS,
@@ -82,16 +83,6 @@ LISTS = {
     "processes": "process",
     "grippers": "gripper",
 }
-_COLUMNS = (  # of the table of silicones: key, head, unit
-    ("young_modulus", "modulus", "MPa"),
-    ("poisson_ratio", "Poisson", ""),
-    ("density", "density", "kg/m3"),
-    ("mix", "A:B", ""),
-    ("pot_life_min", "pot", "min"),
-    ("cure_h", "cure", "h"),
-    ("elongation_at_break", "breaks", "at %"),
-    ("viscosity", "visc.", "Pa s"),
-)
 
 
 def write_new(path: Path, template: str = HOME) -> list[Path]:
@@ -362,13 +353,31 @@ def listing(kind: str | None) -> tuple[dict[str, Any], list[str]]:
         return {k: list(_about(k)) for k in LISTS}, [row for k in LISTS for row in _list_rows(k)]
     if kind not in LISTS:
         raise InputError("kind", "no such kind", kind, did_you_mean(kind, LISTS))
-    if kind in _OWN_LISTS:
-        (option, model, *_), rows = _OWN[kind], _OWN_LISTS[kind]  # type: ignore[index]  # no Kind
-        data, lines = rows()
-        note = f"Your own: skincad new FILE --template {kind}, then --{option} FILE"
-        return {"kind": kind, **data, "units": _units(model)}, [*lines, note]
-    entries = {name: {"about": text} for name, text in _about(kind).items()}
-    return {"kind": kind, "entries": gallery.entries() if kind == "designs" else entries}, _list_rows(kind)
+    if kind == "designs":
+        return {"kind": kind, "entries": gallery.entries()}, _list_rows(kind)
+    own = next((own for table, own in _OWN.items() if table == kind), None)
+    if own is None:
+        return {"kind": kind, "entries": {k: {"about": v} for k, v in _about(kind).items()}}, _list_rows(kind)
+    units = {key: unit for key in own.model.model_fields if (unit := unit_of(own.model, (key,)))}
+    data: dict[str, Any] = {}
+    known: Any
+    if kind == "processes":
+        known = dict(tomlkit.parse(table_text("processes")).items())
+        entries = {name: dict(table.unwrap()) for name, table in known.items()}
+        data["sources"] = {name: {key: _comment(t.item(key)) for key in t} for name, t in known.items()}
+        said = _said(kind, known, Process.model_fields, units)
+    else:
+        known = silicones() if kind == "silicones" else grippers()
+        left_out = {"name"} if kind == "silicones" else None
+        entries = {name: row.model_dump(mode="json", exclude=left_out) for name, row in known.items()}
+        said = _said(kind, known)
+    lines = (said + _said("own", kind, own.option)).splitlines()
+    return {"kind": kind, "entries": entries, **data, "units": units}, lines
+
+
+def _said(name: str, *values: Any) -> str:
+    """What a macro of the listing makes of these values."""
+    return macro("answers/templates.txt", name, *values, LISTS=LISTS, comment=_comment)
 
 
 def _about(kind: str) -> dict[str, str]:
@@ -377,119 +386,20 @@ def _about(kind: str) -> dict[str, str]:
         if kind == file_kind:
             return {name: gallery.purpose(name, file_kind) for name in template_names(file_kind)}
     if kind == "silicones":
-        return {name: f"{_modulus(s.young_modulus)} MPa" for name, s in silicones().items()}
+        return {name: f"{_said('modulus', entry)} MPa" for name, entry in silicones().items()}
     if kind == "grippers":
-        return {name: _gripper_words(gripper) for name, gripper in grippers().items()}
+        return {name: _said("mount", gripper) for name, gripper in grippers().items()}
     return {name: _comment(table) for name, table in tomlkit.parse(table_text("processes")).items()}
 
 
-def _gripper_words(gripper: Gripper) -> str:
-    guess = "" if gripper.measured else ", holes assumed"
-    if gripper.pattern == "circle":
-        holes = f"{gripper.count or 4} {gripper.thread} on {gripper.diameter:g} mm"
-    else:
-        apart = " x ".join(f"{pitch:g}" for pitch in (gripper.pitch_x, gripper.pitch_y) if pitch)
-        holes = f"{gripper.thread} {apart} mm apart"
-    return f"{gripper.width:g} x {gripper.length:g} mm, {holes}{guess}"
-
-
-def _grippers() -> tuple[dict[str, Any], list[str]]:
-    """A row a gripper, its source beneath."""
-    known = grippers()
-    rows = [(f"{name:16} {_gripper_words(row)}", f"  {row.source}") for name, row in known.items()]
-    entries = {name: gripper.model_dump(mode="json") for name, gripper in known.items()}
-    return {"entries": entries}, [*(line for row in rows for line in row), ""]
-
-
 def _list_rows(kind: str) -> list[str]:
-    if kind == "designs":  # the gallery as a table with its head
-        entries = gallery.entries()
-        rows = [("design", name, *gallery.cells(entry), entry["about"]) for name, entry in entries.items()]
-        return aligned([("design", "name", *gallery.HEADS, "for"), *rows], str.ljust)
-    return [f"{LISTS[kind]:8} {name:26} {text}" for name, text in _about(kind).items()]
+    said = _said("designs", gallery.entries()) if kind == "designs" else _said("rows", kind, _about(kind))
+    return said.splitlines()
 
 
 def _comment(item: Any) -> str:
     """What a TOML says behind a value or a table's name."""
     return str(item.trivia.comment).lstrip("# ")
-
-
-def _modulus(modulus: NumberWithRange) -> str:
-    return f"{modulus.value:g} ({modulus.low:g} to {modulus.high:g})"
-
-
-def _silicones() -> tuple[dict[str, Any], list[str]]:
-    """A row a silicone, its source beneath."""
-    known = silicones()
-    rows = [("", *(head for _, head, _ in _COLUMNS)), ("", *(unit for *_, unit in _COLUMNS))]
-    rows += [(name, *(_silicone_cell(entry, key) for key, *_ in _COLUMNS)) for name, entry in known.items()]
-    head, units, *lines = aligned(rows)
-    sources = [[f"  {entry.source}", *_silicone_sources(entry)] for entry in known.values()]
-    cured = {True: "All are platinum-cured.", False: "Not all are platinum-cured: see --json."}
-    notes = [
-        "",
-        "modulus: Young's at small strain, most likely (lowest to highest); pot: its life there; A:B by mass",
-        cured[all(entry.platinum_cure for entry in known.values())],
-    ]
-    body = [text for line, more in zip(lines, sources, strict=True) for text in (line, *more)]
-    entries = {name: entry.model_dump(mode="json", exclude={"name"}) for name, entry in known.items()}
-    return {"entries": entries}, [head, units, *body, *notes]
-
-
-def _silicone_sources(entry: Silicone) -> list[str]:
-    """A silicone's stiffness by each source, a line each."""
-    lines = []
-    for source in entry.sources:
-        law = ""
-        if source.law:
-            constants = source.law.model_dump(mode="json", exclude={"kind"})
-            law = f", {source.law.kind}, " + ", ".join(f"{key} {_plain(v)}" for key, v in constants.items())
-        lines.append(f"    {source.modulus(entry.poisson_ratio):.3g} MPa: {source.what}; {source.where}{law}")
-    return lines
-
-
-def _plain(value: float | list[float]) -> str:
-    return " ".join(f"{number:g}" for number in value) if isinstance(value, list) else f"{value:g}"
-
-
-def _silicone_cell(entry: Silicone, key: str) -> str:
-    value = getattr(entry, key)
-    if isinstance(value, NumberWithRange):
-        return _modulus(value)
-    if isinstance(value, list):
-        return ":".join(f"{part:g}" for part in value)
-    return f"{100 * value:g}" if key == "elongation_at_break" else f"{value:g}"
-
-
-def aligned(rows: Sequence[tuple[str, ...]], pad: Callable[[str, int], str] = str.rjust) -> list[str]:
-    """Return rows as lines with columns of the same width, the first to the left, the others as `pad` has
-    them."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    cells = ([row[0].ljust(widths[0]), *map(pad, row[1:], widths[1:])] for row in rows)
-    return ["  ".join(row).rstrip() for row in cells]
-
-
-def _processes() -> tuple[dict[str, Any], list[str]]:
-    """A block a key: its meaning, and each process's value with its source."""
-    tables: dict[str, Any] = dict(tomlkit.parse(table_text("processes")).items())
-    lines, units = [], _units(Process)
-    for key, field in Process.model_fields.items():
-        values = {name: table.item(key) for name, table in tables.items() if key in table}
-        if values:
-            unit = f", {units[key]}" if key in units else ""
-            lines.append(f"{key}: {field.description}{unit}")
-            lines += [f"  {name}  {item.as_string():8} {_comment(item)}" for name, item in values.items()]
-    about = [f"{name}: {text}" for name, text in _about("processes").items()]
-    entries = {name: dict(table.unwrap()) for name, table in tables.items()}
-    sources = {name: {key: _comment(table.item(key)) for key in table} for name, table in tables.items()}
-    return {"entries": entries, "sources": sources}, [*about, "", *lines, ""]
-
-
-_OWN_LISTS = {"silicones": _silicones, "processes": _processes, "grippers": _grippers}
-
-
-def _units(model: type[Table]) -> dict[str, str]:
-    return {key: unit for key in model.model_fields if (unit := unit_of(model, (key,)))}
 
 
 def write_copy(path: Path, source: str, wanted: Document, comments: Mapping[str, str]) -> None:
