@@ -56,21 +56,13 @@ class _OwnTable(NamedTuple):
     model: type[Table]  # of a row
     base: str  # the shipped row that shows its keys
     key: str  # of a design, which names a row
-    place: str  # of the values
-    remedy: str = "measure your own."
 
 
-_DATA_SHEET = "write those of your\n# data sheet, and the modulus that skincad fit-material finds."
 _OWN: dict[shipped.Table, _OwnTable] = {
-    "silicones": _OwnTable("silicones", Silicone, "dragon-skin-30", "material.name", "here", _DATA_SHEET),
-    "processes": _OwnTable("printer", Process, "sla", "mold.process", "in comments"),
-    "grippers": _OwnTable("grippers", Gripper, "franka-hand", "mold.mount", "here"),
+    "silicones": _OwnTable("silicones", Silicone, "dragon-skin-30", "material.name"),
+    "processes": _OwnTable("printer", Process, "sla", "mold.process"),
+    "grippers": _OwnTable("grippers", Gripper, "franka-hand", "mold.mount"),
 }
-_OWN_HEAD = """\
-# {kinds} of your own: pass this file with --{option}, and give a table's name as {key}
-# A table named like a shipped {one} changes only the keys that it gives; any other name is a new {one}.
-# skincad templates {table} lists what ships. The values {place} are {base}'s: {remedy}
-"""
 STUDIES: Kind = "studies"
 HOME = "designs/home-printer"  # what a new file starts from: any maker can cast it
 FIRST = {"ridge": HOME, "pin": "designs/pillars-9", "ring": "designs/rings-5", "flat": "designs/flat-magnet"}
@@ -213,27 +205,26 @@ def not_of(family: str) -> set[str]:
 def commented_toml(kind: Kind | shipped.Table, text: str, name: str, schema: str) -> str:
     """Return a TOML text with each key's meaning above it; keys left at their default are comments. A
     table of one's own needs no text: a shipped row shows its keys."""
-    lines = [f"#:schema ./{schema}", ""]
+    from skincad.effects import EFFECTS, effect
+
+    facts: dict[str, Any] = {"schema": schema, "EFFECTS": EFFECTS, "effect": effect, "table": _table}
+    facts |= {"default": _default, "unit_and_range": _unit_and_range}
     if kind in _OWN:
-        return "\n".join([*lines, *_own_lines(kind)]) + "\n"
-    model = _model_and_loader(kind)[0]
+        own = _OWN[kind]
+        row: Any = tomlkit.parse(table_text(kind))[own.base]
+        if kind == "processes":
+            row["based_on"] = own.base
+        else:
+            row.pop("source")  # one's own values are from elsewhere
+        return macro("answers/new-file.txt", "own", LISTS[kind], kind, *own, row, **facts)
     document: Any = tomlkit.parse(text)
     document["name"] = document_name(name, kind)
-    lines += [line for line in text.splitlines() if line.startswith("#")]
-    lines += ["", *_key_lines(model, document)]
+    remarks = [line for line in text.splitlines() if line.startswith("#")]
     family = next((key for key in FAMILY_TABLES if key in document), "")
     hidden = not_of(family) if family else set()
-    for key, field in model.model_fields.items():
-        if key in hidden:
-            continue
-        if key == "effects":
-            lines += _effect_lines(document.get(key, {}))
-        elif own_table := next((table for table, own in _OWN.items() if own.option == key), ""):
-            words = f"skincad new FILE --template {own_table} explains its keys"
-            lines += ["", f"# {field.description}; {words}"]
-        elif inner := _table(model, key):
-            lines += _section(key, inner, document.get(key), field.is_required() or key == family)
-    return "\n".join(lines) + "\n"
+    options = {own.option: table for table, own in _OWN.items()}
+    values = _model_and_loader(kind)[0], document, remarks, hidden, family, options
+    return macro("answers/new-file.txt", "document", *values, **facts)
 
 
 def document_name(stem: str, kind: str = "designs") -> str:
@@ -247,69 +238,10 @@ def _table(model: type[BaseModel], key: str) -> type[Table] | None:
     return None if inner is NumberWithRange else inner
 
 
-def _section(path: str, model: type[Table], values: Any, required: bool = False) -> list[str]:
-    """A table with its keys and the tables within; all in comments where the template has none."""
-    mark, note = "" if values is not None else "# ", "" if required else "  # optional"
-    lines = ["", f"{mark}[{path}]{note}", *_key_lines(model, values or {})]
-    for key, field in model.model_fields.items():
-        if inner := _table(model, key):
-            lines += _section(f"{path}.{key}", inner, (values or {}).get(key), field.is_required())
-    return lines
-
-
-def _effect_lines(values: Any) -> list[str]:
-    """The effects that the template names, and as comments those that it leaves out."""
-    from skincad.effects import EFFECTS, effect
-
-    lines: list[str] = []
-    for name in [*values, *(name for name in EFFECTS if name not in values)]:
-        kind = effect(name)
-        needs = f" Needs {' and '.join(kind.needs)}." if kind.needs else ""
-        head, *rest = _section(f"effects.{name}", kind, values.get(name))
-        lines += [head, f"# {(kind.__doc__ or '').splitlines()[0]}{needs}", *rest]
-    return lines
-
-
-def _own_lines(table: shipped.Table) -> list[str]:
-    """How they are used, and a row after a shipped one: its values, or in comments those of a process."""
-    own, one = _OWN[table], LISTS[table]
-    head = _OWN_HEAD.format(kinds=table.capitalize(), table=table, one=one, **own._asdict())
-    row: Any = tomlkit.parse(table_text(table))[own.base]
-    if table != "processes":
-        row.pop("source")  # one's own values are from elsewhere
-        return [head, f"[my-{one}]", *_key_lines(own.model, row)]
-    row["based_on"] = own.base
-    prefixes = ("#", "based_on")
-    lines = [line if line.startswith(prefixes) else f"# {line}" for line in _key_lines(own.model, row)]
-    return [head, "[my-printer]", *lines]
-
-
-def _key_lines(model: type[BaseModel], values: Any) -> list[str]:
-    """Each plain key of a table: its meaning, then its value, or in a comment its default."""
-    lines = []
-    for key, field in model.model_fields.items():
-        if key == "effects" or _table(model, key):
-            continue
-        if key in values:
-            item = values.item(key)
-            provenance = item.trivia.comment.lstrip("# ") if item.trivia.comment else ""
-            lines += [*_meaning(field, provenance), f"{key} = {item.as_string()}"]
-        else:
-            lines += [*_meaning(field, ""), f"# {key} = {_default(field)}"]
-    return lines
-
-
 def _default(field: FieldInfo) -> str:
     if field.default is None or field.is_required():
         return "..."
     return str(tomlkit.item(field.default).as_string())
-
-
-def _meaning(field: FieldInfo, provenance: str) -> list[str]:
-    """Comment lines: meaning, unit and range; then where this template's value is from."""
-    limits = _unit_and_range(field)
-    first = f"# {field.description or ''}" + (f" [{limits}]" if limits else "")
-    return [first, *([f"#   {provenance}"] if provenance else [])]
 
 
 def _unit_and_range(field: FieldInfo) -> str:
