@@ -23,7 +23,7 @@ from skincad.base.progress import about
 from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
 from skincad.outputs import checks
-from skincad.outputs.delivery import Presentation, text
+from skincad.outputs.delivery import Presentation, drawn, text
 from skincad.outputs.tomls import commented_toml, document_name, write_copy, write_with_schema
 from skincad.studies.accuracy.accuracy import Accuracy
 from skincad.studies.query import Evaluation, short, slack, worded
@@ -210,13 +210,6 @@ def write_wish(path: Path, wish: WishResult, full: bool = False) -> list[Path]:
     return write_with_schema(path, "designs", written, wish.design.features.family)
 
 
-def accuracy_figures(accuracy: Accuracy) -> dict[str, Callable[[], Picture]]:
-    """Return the diagram of error against time, a row for each ladder."""
-    from skincad.outputs.figures.studies import accuracy_figure
-
-    return {ACCURACY_FILES[1]: partial(accuracy_figure, accuracy)}
-
-
 def accuracy_csv(accuracy: Accuracy) -> str:
     """Return all rows as CSV; a measure is a column, empty where a trial does not have it."""
     measures = [f"{ladder.name}: {m.name}" for ladder in accuracy.ladders for m in ladder.measures]
@@ -241,10 +234,6 @@ def _within_error(solution: Solution) -> bool:
     return all(abs(float(near[key]) - wanted) <= slack(near[key]) for key, wanted in solution.target.items())
 
 
-def _can_be_set(values: Mapping[str, Value]) -> bool:
-    return not any(key.rpartition(".")[2].isdigit() for key in values)
-
-
 def _settings(values: Mapping[str, Value]) -> str:
     """The options of a command that give these values."""
     typed = (f"{k}={v:.10g}" if isinstance(v, float) else f"{k}={v}" for k, v in values.items())
@@ -263,7 +252,7 @@ def _reasons(sweep: SweepResult) -> list[tuple[str, int]]:
 
 FACTS = {
     "about": about,
-    "can_be_set": _can_be_set,
+    "can_be_set": lambda values: not any(key.rpartition(".")[2].isdigit() for key in values),
     "combinations": combinations,
     "has_range": lambda solution: not all(knob.choices or knob.whole for knob in solution.knobs),
     "reasons": _reasons,
@@ -309,5 +298,5 @@ ACCURACY = Presentation(
     COMMAND="accuracy",
     words="accuracy.txt",
     writers=lambda accuracy: {ACCURACY_FILES[0]: text(lambda: accuracy_csv(accuracy))},
-    figures=accuracy_figures,
+    figures=drawn("accuracy.png", "studies:accuracy_figure"),
 )
