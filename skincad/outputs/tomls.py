@@ -216,7 +216,7 @@ def commented_toml(kind: Kind | shipped.Table, text: str, name: str, schema: str
             row["based_on"] = own.base
         else:
             row.pop("source")  # one's own values are from elsewhere
-        return macro("answers/new-file.txt", "own", LISTS[kind], kind, *own, row, **facts)
+        return macro("papers/new-file.txt", "own", LISTS[kind], kind, *own, row, **facts)
     document: Any = tomlkit.parse(text)
     document["name"] = document_name(name, kind)
     remarks = [line for line in text.splitlines() if line.startswith("#")]
@@ -224,7 +224,7 @@ def commented_toml(kind: Kind | shipped.Table, text: str, name: str, schema: str
     hidden = not_of(family) if family else set()
     options = {own.option: table for table, own in _OWN.items()}
     values = _model_and_loader(kind)[0], document, remarks, hidden, family, options
-    return macro("answers/new-file.txt", "document", *values, **facts)
+    return macro("papers/new-file.txt", "document", *values, **facts)
 
 
 def document_name(stem: str, kind: str = "designs") -> str:
@@ -309,7 +309,7 @@ def listing(kind: str | None) -> tuple[dict[str, Any], list[str]]:
 
 def _said(name: str, *values: Any) -> str:
     """What a macro of the listing makes of these values."""
-    return macro("answers/templates.txt", name, *values, LISTS=LISTS, comment=_comment)
+    return macro("papers/listing.txt", name, *values, LISTS=LISTS, comment=_comment)
 
 
 def _about(kind: str) -> dict[str, str]:

@@ -351,7 +351,7 @@ def _make_room(axes: Axes, under: float) -> None:
 
 def caption(simulation: Simulation, record: RidgeRecording) -> str:
     """Return what this recording cannot show."""
-    said = macro("answers/simulate.txt", "recorded", simulation, record, PAPER_CUTOFF=PAPER_CUTOFF)
+    said = macro("answers/simulate.txt", "recorded", simulation, record, PAPER_CUTOFF)
     return said.removesuffix("\n")
 
 
