@@ -143,7 +143,8 @@ def _steps(name: str, *values: Any, silicone: str = "", **facts: Any) -> list[Ca
             steps.append(Calculation(first[2:], terms[result], formula, given, *cells[1:]))
         else:
             meaning, number, unit = cells
-            value = tuple(map(float, number.split())) if first.endswith("_i") else float(number)
+            each = number.startswith("[")
+            value = tuple(map(float, number.strip("[]").split())) if each else float(number)
             terms[first] = Quantity(first, meaning, value, unit)
     return steps
 
