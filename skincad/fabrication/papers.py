@@ -1,7 +1,8 @@
 """Words for people: texts of templates/, which ask a job and the rooms that plan it. A number is computed in
 one place alone, so no two papers say two of it.
 
-`papers` are Markdown, `answers` what commands print of a result, `pages` HTML, `simulators` XML.
+`papers` are Markdown and files that people read, `answers` what commands print of a result, `pages` HTML,
+`simulators` XML.
 """
 
 from __future__ import annotations
@@ -59,7 +60,7 @@ def environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    found.filters |= {"listed": listed, "md": markdown_text, "num": format, "span": span}
+    found.filters |= {"aligned": _aligned, "listed": listed, "md": markdown_text, "num": format, "span": span}
     found.filters["g"] = lambda number: f"{number:g}"
     found.filters["joined"] = _joined
     found.filters["plural"] = lambda word, count: word if count == 1 else f"{word}s"
@@ -70,6 +71,23 @@ def environment() -> Environment:
 def _joined(lines: str) -> str:
     """A text's lines as one, with no space before punctuation."""
     return re.sub(r" (?=[.,;:)]( |$))", "", " ".join(lines.split()))
+
+
+def _aligned(text: str, side: str = ">") -> str:
+    """A text whose lines of cells, with | between them, are a table: the first column to the left, the others
+    to a side. Lines without | stay as they are."""
+    lines = [line.split("|") for line in text.splitlines()]
+    widths = [max(map(len, column)) for column in zip(*(row for row in lines if len(row) > 1), strict=True)]
+    sides = "<" + side * len(widths)
+    rows = [
+        "  ".join(
+            f"{cell:{where}{width}}" for cell, where, width in zip(row, sides, widths, strict=False)
+        ).rstrip()
+        if len(row) > 1
+        else row[0]
+        for row in lines
+    ]
+    return "".join(f"{row}\n" for row in rows)
 
 
 @pass_eval_context

@@ -17,8 +17,6 @@ from skincad.inputs.design import Design
 from skincad.inputs.shipped import templates_folder
 from skincad.shape.skin import skin_of
 
-HEADS = ("ridges", "size, mm", "detail", "mold by", "silicone", "all touch")
-
 
 @cache
 def forces() -> dict[str, dict[str, Any]]:
@@ -73,20 +71,6 @@ def _entry(design: Design) -> dict[str, Any]:
         "force_N": design.contact.force,
         "all_touch_force_N": force_of(design).as_json(),
     }
-
-
-def cells(entry: dict[str, Any]) -> tuple[str, ...]:
-    """Return the cells of a row, in the order of HEADS."""
-    made = dict.fromkeys((entry["process"], entry["end_plate_process"]))
-    force = entry["all_touch_force_N"]["value"]
-    return (
-        entry["features"],
-        entry["size"],
-        f"{entry['smallest_detail_mm']:.3g}",
-        "+".join(made),
-        str(entry["silicone"]),
-        "?" if force is None else f"{force:.2g} of {entry['force_N']:g} N",
-    )
 
 
 def page() -> str:

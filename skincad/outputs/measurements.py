@@ -27,7 +27,7 @@ from skincad.inputs.silicone import Silicone
 from skincad.material.laws import FITTED_SHARE
 from skincad.material.modulus import MaterialFit
 from skincad.outputs.delivery import Presentation, drawn, text
-from skincad.outputs.tomls import aligned, ranged_toml
+from skincad.outputs.tomls import ranged_toml
 from skincad.scenes.acceptance import CANT_TELL, RecordingAcceptance
 from skincad.scenes.strip_assignment import WORKS
 from skincad.solids.coupon import NOTCHES
@@ -78,19 +78,6 @@ def toml_lines(fit: MaterialFit) -> list[str]:
     return [*modulus, "", "[material.law]", *table.splitlines()]
 
 
-def _law_table(fit: MaterialFit) -> list[str]:
-    """The laws that were compared, with their errors."""
-    rows = [("", "constants", "missed there", "missed beyond", "modulus, MPa")]
-    for row in fit.laws:
-        name, modulus = (
-            ("* " if row.best else "  ") + row.name,
-            row.law.young_modulus(Silicone().poisson_ratio),
-        )
-        errors = f"{row.rms_seen:.2%}", f"{row.rms_judged:.2%}"
-        rows.append((name, str(row.constants), *errors, f"{modulus:.4g}"))
-    return aligned(rows)
-
-
 def _rounded(value: Any) -> Any:
     """Constants to 6 digits: no test says more."""
     if isinstance(value, tuple):
@@ -106,7 +93,7 @@ def _like_pairs(result: RecordingAcceptance) -> list[tuple[str, ...]]:
 FIT = Presentation(
     COMMAND="fit-material",
     words="fit-material.txt",
-    facts={"FITTED_SHARE": FITTED_SHARE, "law_table": _law_table, "toml_lines": toml_lines},
+    facts={"FITTED_SHARE": FITTED_SHARE, "POISSON_RATIO": Silicone().poisson_ratio, "toml_lines": toml_lines},
     writers=lambda fit: {"material.toml": text(lambda: "\n".join(toml_lines(fit)) + "\n")},
     figures=drawn("fit.png", "results:fit_figure"),
 )

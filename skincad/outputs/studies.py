@@ -10,7 +10,7 @@ import json
 import re
 import shlex
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -23,10 +23,9 @@ from skincad.base.progress import about
 from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
 from skincad.outputs import checks
-from skincad.outputs.delivery import Presentation, text
+from skincad.outputs.delivery import Presentation, drawn, text
 from skincad.outputs.tomls import commented_toml, document_name, write_copy, write_with_schema
 from skincad.studies.accuracy.accuracy import Accuracy
-from skincad.studies.accuracy.ladder import Ladder
 from skincad.studies.query import Evaluation, short, slack, worded
 from skincad.studies.searches import combinations
 from skincad.studies.solving import Solution
@@ -190,21 +189,13 @@ def short_toml(wish: WishResult, name: str, schema: str = "") -> str:
     rules = {choice.key: choice.why for choice in wish.choices}
     rows = [f"#:schema ./{schema}", ""] if schema else []
     table = ""
-    for row in [*_head(wish), *tomlkit.dumps(document).splitlines()]:
+    for row in [*WISH.rows("head", wish), *tomlkit.dumps(document).splitlines()]:
         if row.startswith("["):
             table = row.strip("[]")
         rule = rules.get(f"{table}.{row.partition(' = ')[0]}") or (row.startswith("[") and rules.get(table))
         rows += [f"# {rule}"] if rule else []
         rows.append(row)
     return "\n".join(rows) + "\n"
-
-
-def _head(wish: WishResult) -> list[str]:
-    skin, design = wish.design.skin, wish.design
-    touch = f"all {design.features.family}s touch at {design.contact.force:g} N"
-    size = f"{skin.width:g} x {skin.length:g} mm, {touch}"
-    broken = [f"# NOT MET: {b.wish}: asked {b.asked}, got {b.given}: {b.why}" for b in wish.broken]
-    return [f"# A pad of {size}: {design.material.name}, mold by {design.mold.process}", *broken]
 
 
 def write_wish(path: Path, wish: WishResult, full: bool = False) -> list[Path]:
@@ -219,13 +210,6 @@ def write_wish(path: Path, wish: WishResult, full: bool = False) -> list[Path]:
     return write_with_schema(path, "designs", written, wish.design.features.family)
 
 
-def accuracy_figures(accuracy: Accuracy) -> dict[str, Callable[[], Picture]]:
-    """Return the diagram of error against time, a row for each ladder."""
-    from skincad.outputs.figures.studies import accuracy_figure
-
-    return {ACCURACY_FILES[1]: partial(accuracy_figure, accuracy)}
-
-
 def accuracy_csv(accuracy: Accuracy) -> str:
     """Return all rows as CSV; a measure is a column, empty where a trial does not have it."""
     measures = [f"{ladder.name}: {m.name}" for ladder in accuracy.ladders for m in ladder.measures]
@@ -238,29 +222,6 @@ def accuracy_csv(accuracy: Accuracy) -> str:
     return csv_text(rows)
 
 
-def _trial_table(ladder: Ladder) -> Iterator[str]:
-    """A row a trial; a star marks the trials of the Pareto front in time and the first error."""
-    measures = ladder.measures
-    models = max((len(r.model) for r in ladder.trials), default=0)
-    settings = max((len(r.setting) for r in ladder.trials), default=0)
-    widths = {m.name: max(15, len(m.shown) + 2) for m in measures}
-    heads = "".join(f"{m.shown:>{widths[m.name]}}" for m in measures)
-    yield f"  {'model':{models}}  {'setting':{settings}} {'unknowns':>9} {'time, s':>9} {'±':>8} {heads}"
-    best = {measure.name: ladder.best(measure) for measure in measures}
-    for point in ladder.trials:
-        spread = max(point.runs) - min(point.runs)
-        cells = "".join(
-            f"{point.errors[m.name]:>{widths[m.name] - 1}.2g}{'*' if point in best[m.name] else ' '}"
-            if m.name in point.errors
-            else " " * widths[m.name]
-            for m in measures
-        )
-        yield (
-            f"  {point.model:{models}}  {point.setting:{settings}} {point.unknowns:9d} {point.seconds:9.3g} "
-            f"{spread / 2:8.1g} {cells}".rstrip()
-        )
-
-
 def _unit_of(solution: Solution, key: str) -> str:
     unit = next(knob.unit for knob in solution.knobs if knob.key == key)
     return f" {unit}" if unit else ""
@@ -271,10 +232,6 @@ def _within_error(solution: Solution) -> bool:
     assert solution.closest is not None
     near = solution.closest.reached
     return all(abs(float(near[key]) - wanted) <= slack(near[key]) for key, wanted in solution.target.items())
-
-
-def _can_be_set(values: Mapping[str, Value]) -> bool:
-    return not any(key.rpartition(".")[2].isdigit() for key in values)
 
 
 def _settings(values: Mapping[str, Value]) -> str:
@@ -295,7 +252,7 @@ def _reasons(sweep: SweepResult) -> list[tuple[str, int]]:
 
 FACTS = {
     "about": about,
-    "can_be_set": _can_be_set,
+    "can_be_set": lambda values: not any(key.rpartition(".")[2].isdigit() for key in values),
     "combinations": combinations,
     "has_range": lambda solution: not all(knob.choices or knob.whole for knob in solution.knobs),
     "reasons": _reasons,
@@ -340,7 +297,6 @@ WISH = Presentation(
 ACCURACY = Presentation(
     COMMAND="accuracy",
     words="accuracy.txt",
-    facts={"trial_table": _trial_table},
     writers=lambda accuracy: {ACCURACY_FILES[0]: text(lambda: accuracy_csv(accuracy))},
-    figures=accuracy_figures,
+    figures=drawn("accuracy.png", "studies:accuracy_figure"),
 )

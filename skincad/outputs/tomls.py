@@ -10,7 +10,7 @@ import json
 import os
 import re
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,6 +23,7 @@ from skincad.base.errors import InputError, RefusedError, did_you_mean, shown
 from skincad.base.outfolder import checked_fresh, fresh
 from skincad.base.reading import tables_of, text_of
 from skincad.base.tables import Document, NumberWithRange, Table, table_of, unit_of
+from skincad.fabrication.papers import macro
 from skincad.inputs import shipped
 from skincad.inputs.catalog import (
     KINDS,
@@ -55,21 +56,13 @@ class _OwnTable(NamedTuple):
     model: type[Table]  # of a row
     base: str  # the shipped row that shows its keys
     key: str  # of a design, which names a row
-    place: str  # of the values
-    remedy: str = "measure your own."
 
 
-_DATA_SHEET = "write those of your\n# data sheet, and the modulus that skincad fit-material finds."
 _OWN: dict[shipped.Table, _OwnTable] = {
-    "silicones": _OwnTable("silicones", Silicone, "dragon-skin-30", "material.name", "here", _DATA_SHEET),
-    "processes": _OwnTable("printer", Process, "sla", "mold.process", "in comments"),
-    "grippers": _OwnTable("grippers", Gripper, "franka-hand", "mold.mount", "here"),
+    "silicones": _OwnTable("silicones", Silicone, "dragon-skin-30", "material.name"),
+    "processes": _OwnTable("printer", Process, "sla", "mold.process"),
+    "grippers": _OwnTable("grippers", Gripper, "franka-hand", "mold.mount"),
 }
-_OWN_HEAD = """\
-# {kinds} of your own: pass this file with --{option}, and give a table's name as {key}
-# A table named like a shipped {one} changes only the keys that it gives; any other name is a new {one}.
-# skincad templates {table} lists what ships. The values {place} are {base}'s: {remedy}
-"""
 STUDIES: Kind = "studies"
 HOME = "designs/home-printer"  # what a new file starts from: any maker can cast it
 FIRST = {"ridge": HOME, "pin": "designs/pillars-9", "ring": "designs/rings-5", "flat": "designs/flat-magnet"}
@@ -82,16 +75,6 @@ LISTS = {
     "processes": "process",
     "grippers": "gripper",
 }
-_COLUMNS = (  # of the table of silicones: key, head, unit
-    ("young_modulus", "modulus", "MPa"),
-    ("poisson_ratio", "Poisson", ""),
-    ("density", "density", "kg/m3"),
-    ("mix", "A:B", ""),
-    ("pot_life_min", "pot", "min"),
-    ("cure_h", "cure", "h"),
-    ("elongation_at_break", "breaks", "at %"),
-    ("viscosity", "visc.", "Pa s"),
-)
 
 
 def write_new(path: Path, template: str = HOME) -> list[Path]:
@@ -222,27 +205,26 @@ def not_of(family: str) -> set[str]:
 def commented_toml(kind: Kind | shipped.Table, text: str, name: str, schema: str) -> str:
     """Return a TOML text with each key's meaning above it; keys left at their default are comments. A
     table of one's own needs no text: a shipped row shows its keys."""
-    lines = [f"#:schema ./{schema}", ""]
+    from skincad.effects import EFFECTS, effect
+
+    facts: dict[str, Any] = {"schema": schema, "EFFECTS": EFFECTS, "effect": effect, "table": _table}
+    facts |= {"default": _default, "unit_and_range": _unit_and_range}
     if kind in _OWN:
-        return "\n".join([*lines, *_own_lines(kind)]) + "\n"
-    model = _model_and_loader(kind)[0]
+        own = _OWN[kind]
+        row: Any = tomlkit.parse(table_text(kind))[own.base]
+        if kind == "processes":
+            row["based_on"] = own.base
+        else:
+            row.pop("source")  # one's own values are from elsewhere
+        return macro("papers/new-file.txt", "own", LISTS[kind], kind, *own, row, **facts)
     document: Any = tomlkit.parse(text)
     document["name"] = document_name(name, kind)
-    lines += [line for line in text.splitlines() if line.startswith("#")]
-    lines += ["", *_key_lines(model, document)]
+    remarks = [line for line in text.splitlines() if line.startswith("#")]
     family = next((key for key in FAMILY_TABLES if key in document), "")
     hidden = not_of(family) if family else set()
-    for key, field in model.model_fields.items():
-        if key in hidden:
-            continue
-        if key == "effects":
-            lines += _effect_lines(document.get(key, {}))
-        elif own_table := next((table for table, own in _OWN.items() if own.option == key), ""):
-            words = f"skincad new FILE --template {own_table} explains its keys"
-            lines += ["", f"# {field.description}; {words}"]
-        elif inner := _table(model, key):
-            lines += _section(key, inner, document.get(key), field.is_required() or key == family)
-    return "\n".join(lines) + "\n"
+    options = {own.option: table for table, own in _OWN.items()}
+    values = _model_and_loader(kind)[0], document, remarks, hidden, family, options
+    return macro("papers/new-file.txt", "document", *values, **facts)
 
 
 def document_name(stem: str, kind: str = "designs") -> str:
@@ -256,69 +238,10 @@ def _table(model: type[BaseModel], key: str) -> type[Table] | None:
     return None if inner is NumberWithRange else inner
 
 
-def _section(path: str, model: type[Table], values: Any, required: bool = False) -> list[str]:
-    """A table with its keys and the tables within; all in comments where the template has none."""
-    mark, note = "" if values is not None else "# ", "" if required else "  # optional"
-    lines = ["", f"{mark}[{path}]{note}", *_key_lines(model, values or {})]
-    for key, field in model.model_fields.items():
-        if inner := _table(model, key):
-            lines += _section(f"{path}.{key}", inner, (values or {}).get(key), field.is_required())
-    return lines
-
-
-def _effect_lines(values: Any) -> list[str]:
-    """The effects that the template names, and as comments those that it leaves out."""
-    from skincad.effects import EFFECTS, effect
-
-    lines: list[str] = []
-    for name in [*values, *(name for name in EFFECTS if name not in values)]:
-        kind = effect(name)
-        needs = f" Needs {' and '.join(kind.needs)}." if kind.needs else ""
-        head, *rest = _section(f"effects.{name}", kind, values.get(name))
-        lines += [head, f"# {(kind.__doc__ or '').splitlines()[0]}{needs}", *rest]
-    return lines
-
-
-def _own_lines(table: shipped.Table) -> list[str]:
-    """How they are used, and a row after a shipped one: its values, or in comments those of a process."""
-    own, one = _OWN[table], LISTS[table]
-    head = _OWN_HEAD.format(kinds=table.capitalize(), table=table, one=one, **own._asdict())
-    row: Any = tomlkit.parse(table_text(table))[own.base]
-    if table != "processes":
-        row.pop("source")  # one's own values are from elsewhere
-        return [head, f"[my-{one}]", *_key_lines(own.model, row)]
-    row["based_on"] = own.base
-    prefixes = ("#", "based_on")
-    lines = [line if line.startswith(prefixes) else f"# {line}" for line in _key_lines(own.model, row)]
-    return [head, "[my-printer]", *lines]
-
-
-def _key_lines(model: type[BaseModel], values: Any) -> list[str]:
-    """Each plain key of a table: its meaning, then its value, or in a comment its default."""
-    lines = []
-    for key, field in model.model_fields.items():
-        if key == "effects" or _table(model, key):
-            continue
-        if key in values:
-            item = values.item(key)
-            provenance = item.trivia.comment.lstrip("# ") if item.trivia.comment else ""
-            lines += [*_meaning(field, provenance), f"{key} = {item.as_string()}"]
-        else:
-            lines += [*_meaning(field, ""), f"# {key} = {_default(field)}"]
-    return lines
-
-
 def _default(field: FieldInfo) -> str:
     if field.default is None or field.is_required():
         return "..."
     return str(tomlkit.item(field.default).as_string())
-
-
-def _meaning(field: FieldInfo, provenance: str) -> list[str]:
-    """Comment lines: meaning, unit and range; then where this template's value is from."""
-    limits = _unit_and_range(field)
-    first = f"# {field.description or ''}" + (f" [{limits}]" if limits else "")
-    return [first, *([f"#   {provenance}"] if provenance else [])]
 
 
 def _unit_and_range(field: FieldInfo) -> str:
@@ -362,13 +285,31 @@ def listing(kind: str | None) -> tuple[dict[str, Any], list[str]]:
         return {k: list(_about(k)) for k in LISTS}, [row for k in LISTS for row in _list_rows(k)]
     if kind not in LISTS:
         raise InputError("kind", "no such kind", kind, did_you_mean(kind, LISTS))
-    if kind in _OWN_LISTS:
-        (option, model, *_), rows = _OWN[kind], _OWN_LISTS[kind]  # type: ignore[index]  # no Kind
-        data, lines = rows()
-        note = f"Your own: skincad new FILE --template {kind}, then --{option} FILE"
-        return {"kind": kind, **data, "units": _units(model)}, [*lines, note]
-    entries = {name: {"about": text} for name, text in _about(kind).items()}
-    return {"kind": kind, "entries": gallery.entries() if kind == "designs" else entries}, _list_rows(kind)
+    if kind == "designs":
+        return {"kind": kind, "entries": gallery.entries()}, _list_rows(kind)
+    own = next((own for table, own in _OWN.items() if table == kind), None)
+    if own is None:
+        return {"kind": kind, "entries": {k: {"about": v} for k, v in _about(kind).items()}}, _list_rows(kind)
+    units = {key: unit for key in own.model.model_fields if (unit := unit_of(own.model, (key,)))}
+    data: dict[str, Any] = {}
+    known: Any
+    if kind == "processes":
+        known = dict(tomlkit.parse(table_text("processes")).items())
+        entries = {name: dict(table.unwrap()) for name, table in known.items()}
+        data["sources"] = {name: {key: _comment(t.item(key)) for key in t} for name, t in known.items()}
+        said = _said(kind, known, Process.model_fields, units)
+    else:
+        known = silicones() if kind == "silicones" else grippers()
+        left_out = {"name"} if kind == "silicones" else None
+        entries = {name: row.model_dump(mode="json", exclude=left_out) for name, row in known.items()}
+        said = _said(kind, known)
+    lines = (said + _said("own", kind, own.option)).splitlines()
+    return {"kind": kind, "entries": entries, **data, "units": units}, lines
+
+
+def _said(name: str, *values: Any) -> str:
+    """What a macro of the listing makes of these values."""
+    return macro("papers/listing.txt", name, *values, LISTS=LISTS, comment=_comment)
 
 
 def _about(kind: str) -> dict[str, str]:
@@ -377,119 +318,20 @@ def _about(kind: str) -> dict[str, str]:
         if kind == file_kind:
             return {name: gallery.purpose(name, file_kind) for name in template_names(file_kind)}
     if kind == "silicones":
-        return {name: f"{_modulus(s.young_modulus)} MPa" for name, s in silicones().items()}
+        return {name: f"{_said('modulus', entry)} MPa" for name, entry in silicones().items()}
     if kind == "grippers":
-        return {name: _gripper_words(gripper) for name, gripper in grippers().items()}
+        return {name: _said("mount", gripper) for name, gripper in grippers().items()}
     return {name: _comment(table) for name, table in tomlkit.parse(table_text("processes")).items()}
 
 
-def _gripper_words(gripper: Gripper) -> str:
-    guess = "" if gripper.measured else ", holes assumed"
-    if gripper.pattern == "circle":
-        holes = f"{gripper.count or 4} {gripper.thread} on {gripper.diameter:g} mm"
-    else:
-        apart = " x ".join(f"{pitch:g}" for pitch in (gripper.pitch_x, gripper.pitch_y) if pitch)
-        holes = f"{gripper.thread} {apart} mm apart"
-    return f"{gripper.width:g} x {gripper.length:g} mm, {holes}{guess}"
-
-
-def _grippers() -> tuple[dict[str, Any], list[str]]:
-    """A row a gripper, its source beneath."""
-    known = grippers()
-    rows = [(f"{name:16} {_gripper_words(row)}", f"  {row.source}") for name, row in known.items()]
-    entries = {name: gripper.model_dump(mode="json") for name, gripper in known.items()}
-    return {"entries": entries}, [*(line for row in rows for line in row), ""]
-
-
 def _list_rows(kind: str) -> list[str]:
-    if kind == "designs":  # the gallery as a table with its head
-        entries = gallery.entries()
-        rows = [("design", name, *gallery.cells(entry), entry["about"]) for name, entry in entries.items()]
-        return aligned([("design", "name", *gallery.HEADS, "for"), *rows], str.ljust)
-    return [f"{LISTS[kind]:8} {name:26} {text}" for name, text in _about(kind).items()]
+    said = _said("designs", gallery.entries()) if kind == "designs" else _said("rows", kind, _about(kind))
+    return said.splitlines()
 
 
 def _comment(item: Any) -> str:
     """What a TOML says behind a value or a table's name."""
     return str(item.trivia.comment).lstrip("# ")
-
-
-def _modulus(modulus: NumberWithRange) -> str:
-    return f"{modulus.value:g} ({modulus.low:g} to {modulus.high:g})"
-
-
-def _silicones() -> tuple[dict[str, Any], list[str]]:
-    """A row a silicone, its source beneath."""
-    known = silicones()
-    rows = [("", *(head for _, head, _ in _COLUMNS)), ("", *(unit for *_, unit in _COLUMNS))]
-    rows += [(name, *(_silicone_cell(entry, key) for key, *_ in _COLUMNS)) for name, entry in known.items()]
-    head, units, *lines = aligned(rows)
-    sources = [[f"  {entry.source}", *_silicone_sources(entry)] for entry in known.values()]
-    cured = {True: "All are platinum-cured.", False: "Not all are platinum-cured: see --json."}
-    notes = [
-        "",
-        "modulus: Young's at small strain, most likely (lowest to highest); pot: its life there; A:B by mass",
-        cured[all(entry.platinum_cure for entry in known.values())],
-    ]
-    body = [text for line, more in zip(lines, sources, strict=True) for text in (line, *more)]
-    entries = {name: entry.model_dump(mode="json", exclude={"name"}) for name, entry in known.items()}
-    return {"entries": entries}, [head, units, *body, *notes]
-
-
-def _silicone_sources(entry: Silicone) -> list[str]:
-    """A silicone's stiffness by each source, a line each."""
-    lines = []
-    for source in entry.sources:
-        law = ""
-        if source.law:
-            constants = source.law.model_dump(mode="json", exclude={"kind"})
-            law = f", {source.law.kind}, " + ", ".join(f"{key} {_plain(v)}" for key, v in constants.items())
-        lines.append(f"    {source.modulus(entry.poisson_ratio):.3g} MPa: {source.what}; {source.where}{law}")
-    return lines
-
-
-def _plain(value: float | list[float]) -> str:
-    return " ".join(f"{number:g}" for number in value) if isinstance(value, list) else f"{value:g}"
-
-
-def _silicone_cell(entry: Silicone, key: str) -> str:
-    value = getattr(entry, key)
-    if isinstance(value, NumberWithRange):
-        return _modulus(value)
-    if isinstance(value, list):
-        return ":".join(f"{part:g}" for part in value)
-    return f"{100 * value:g}" if key == "elongation_at_break" else f"{value:g}"
-
-
-def aligned(rows: Sequence[tuple[str, ...]], pad: Callable[[str, int], str] = str.rjust) -> list[str]:
-    """Return rows as lines with columns of the same width, the first to the left, the others as `pad` has
-    them."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    cells = ([row[0].ljust(widths[0]), *map(pad, row[1:], widths[1:])] for row in rows)
-    return ["  ".join(row).rstrip() for row in cells]
-
-
-def _processes() -> tuple[dict[str, Any], list[str]]:
-    """A block a key: its meaning, and each process's value with its source."""
-    tables: dict[str, Any] = dict(tomlkit.parse(table_text("processes")).items())
-    lines, units = [], _units(Process)
-    for key, field in Process.model_fields.items():
-        values = {name: table.item(key) for name, table in tables.items() if key in table}
-        if values:
-            unit = f", {units[key]}" if key in units else ""
-            lines.append(f"{key}: {field.description}{unit}")
-            lines += [f"  {name}  {item.as_string():8} {_comment(item)}" for name, item in values.items()]
-    about = [f"{name}: {text}" for name, text in _about("processes").items()]
-    entries = {name: dict(table.unwrap()) for name, table in tables.items()}
-    sources = {name: {key: _comment(table.item(key)) for key in table} for name, table in tables.items()}
-    return {"entries": entries, "sources": sources}, [*about, "", *lines, ""]
-
-
-_OWN_LISTS = {"silicones": _silicones, "processes": _processes, "grippers": _grippers}
-
-
-def _units(model: type[Table]) -> dict[str, str]:
-    return {key: unit for key in model.model_fields if (unit := unit_of(model, (key,)))}
 
 
 def write_copy(path: Path, source: str, wanted: Document, comments: Mapping[str, str]) -> None:

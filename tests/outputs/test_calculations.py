@@ -6,14 +6,16 @@ import ast
 import math
 import re
 from itertools import chain
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 import skincad
+from skincad.circuit import without_rig
 from skincad.fabrication import Job
-from skincad.inputs import Design
+from skincad.inputs import Design, template_names
 from skincad.outputs import calculations
 from skincad.outputs.calculations import Calculation, Quantity
 from skincad.outputs.pages import html
@@ -142,6 +144,18 @@ def test_no_line_is_written_where_none_holds() -> None:
     assert "F" not in symbols
     assert "g" in symbols
     assert calculations.strip_calculations(skincad.load("plain-ridges")) == []
+
+
+@pytest.mark.parametrize("name", template_names("circuits"))
+def test_an_amplifiers_printed_numbers_give_its_printed_results(name: str) -> None:
+    """Without a signal there are two steps: the strip's capacitance and the ideal amplifier's gain."""
+    design, no_signal = skincad.load("yamada-2002"), cast(Any, SimpleNamespace)
+    run = no_signal(raw={}, scene=no_signal(design=design))
+    circuit = without_rig(skincad.load_circuit(name))
+    for step in calculations.scene_calculations(run, circuit, skincad.gain(circuit)):
+        result = step.result.value
+        assert isinstance(result, float)
+        assert recomputed(step) == pytest.approx(result, rel=1e-3), step.title
 
 
 def step(text: str, **values: float) -> Calculation:

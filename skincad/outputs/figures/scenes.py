@@ -15,6 +15,7 @@ from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.circuit.calibrate import PAPER_CUTOFF
 from skincad.circuit.state import Recording, evenly_spaced, recorded
+from skincad.fabrication.papers import macro
 from skincad.outputs.figures.canvas import (
     BLACK,
     BLUE,
@@ -350,20 +351,8 @@ def _make_room(axes: Axes, under: float) -> None:
 
 def caption(simulation: Simulation, record: RidgeRecording) -> str:
     """Return what this recording cannot show."""
-    step = 1e3 / record.pair.rate
-    seen_to = min(record.pair.passband, simulation.scene.readout.bandwidth_Hz)
-    unseen = ": neither the cut-off at 1.2 kHz nor the stress-jerk above it is seen"
-    ratio = simulation.read["signal_to_noise_dB"][str(record.ridge)]
-    what = "Samples" if record.sampled else "Steps"
-    drawn = "with" if "lead_time_by_noise" in simulation.read else "without"
-    noise = f"Drawn {drawn} noise; film and amplifier leave a signal-to-noise ratio of"
-    lines = [
-        f"True up to {seen_to:.4g} Hz{unseen if seen_to < PAPER_CUTOFF else ''}.",
-        f"{what} are {step:.3g} ms apart: no shorter lead time is claimed.",
-        *([] if ratio is None else [f"{noise} {ratio:.3g} dB."]),
-        *record.pair.warnings,
-    ]
-    return "\n".join(lines)
+    said = macro("answers/simulate.txt", "recorded", simulation, record, PAPER_CUTOFF)
+    return said.removesuffix("\n")
 
 
 def phases(simulation: Simulation, ridge: int) -> dict[str, tuple[float, float]]:
