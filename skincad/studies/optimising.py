@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from skincad.base.estimate import Estimate
 from skincad.base.progress import Tick
 from skincad.inputs.design import Design
 from skincad.scenes.scene import Scene
-from skincad.studies.optimisers import Optimiser, OptunaSearch, Outcome, levels, minimise, pareto_front
+from skincad.studies.optimisers import Optimiser, Outcome, minimise, optuna_search, pareto_front
 from skincad.studies.query import GUIDE, Evaluation, Query, first_able, meant, question_of, worded
 from skincad.studies.running import Log, Run, Values, Workers, log_in
 from skincad.studies.running import workers as working
@@ -98,12 +98,8 @@ def _spread(front: Sequence[Outcome], most: int) -> list[Outcome]:
     return [placed[round(i)] for i in np.linspace(0, len(placed) - 1, most)]
 
 
-class Known(NamedTuple):
-    """A place, a model's answer there, and all numbers of the design; None where one of them is refused."""
-
-    place: Array
-    answer: Evaluation
-    results: Results | None
+# a place, a model's answer there, and all numbers of the design; None where one of them is refused
+Known = tuple[Array, Evaluation, Results | None]
 
 
 @dataclass
@@ -131,16 +127,7 @@ class _Hunt:
 
     def place(self, values: Values) -> Array:
         """Return a place of the unit cube with these values."""
-        places = []
-        for knob in self.knobs:
-            value, names = values.get(knob.key, knob.start), list(knob.values()) if levels(knob) else []
-            if value in names:
-                places.append((names.index(value) + 0.5) / len(names))
-            elif names or value is None:
-                places.append(0.5)
-            else:
-                places.append(knob.share(min(max(float(value), knob.low), knob.high)))
-        return np.array(places)
+        return np.array([knob.share(values.get(knob.key, knob.start)) for knob in self.knobs])
 
     def coarse(self, who: Workers) -> tuple[Array, list[Member]]:
         """Return the best place by the closed form, or the subject's own, and what was judged on the way."""
@@ -180,7 +167,7 @@ class _Hunt:
         self._minimised("search", self.asking, most - len(self.known["search"]), who)
         if count is not None and len(self.known["search"]) < min(most, count):
             objectives, known = len(self.study.objectives), self._evaluations()
-            self.asking = OptunaSearch("tpe", self.knobs, objectives, self.study.seed, start, budget, known)
+            self.asking = optuna_search("tpe", self.knobs, objectives, self.study.seed, start, budget, known)
             self._minimised("search", self.asking, most - len(self.known["search"]), who)
         return self._front()
 
@@ -189,8 +176,8 @@ class _Hunt:
 
     def _evaluations(self) -> list[Outcome]:
         return [
-            self.weighing.told(known.place, known.results, "search")
-            for known in self.known["search"].values()
+            self.weighing.told(place, results, "search")
+            for place, _, results in self.known["search"].values()
         ]
 
     @property
@@ -253,8 +240,8 @@ class _Hunt:
             fresh = {design(place): place for place in places if design(place) not in known}
             answers = self._told([self.values(place) for place in fresh.values()], model, who)
             for (values, place), answer in zip(fresh.items(), answers, strict=True):
-                known[values] = Known(place, *answer)
-            evaluations = [self.weighing.told(place, known[design(place)].results, model) for place in places]
+                known[values] = (place, *answer)
+            evaluations = [self.weighing.told(place, known[design(place)][2], model) for place in places]
             if model == "search" and self.tick is not None:
                 self.best = _better(self.best, evaluations)
                 objective = self.study.objectives[0]

@@ -272,7 +272,7 @@ def _change(varied: Sequence[DesignVariable], values: Mapping[str, Value]) -> fl
         if knob.choices or isinstance(value, str) or not isinstance(knob.start, int | float):
             total += value != knob.start
         else:
-            total += (knob.share(value) - knob.share(min(max(knob.start, knob.low), knob.high))) ** 2
+            total += (knob.share(value) - knob.share(knob.start)) ** 2
     return math.sqrt(total)
 
 
@@ -325,7 +325,7 @@ def _crossings(
     def only(reached: list[float] | None) -> float | None:
         return reached[0] if reached else None
 
-    start = _start(knob)
+    start = knob.share(knob.start)
     if evaluator.bounds and evaluator.off(evaluation := evaluator.ask(values(start))) == 0:
         return [_point(evaluator, evaluation)], False, []
     (wanted,) = evaluator.wished.values()
@@ -376,15 +376,9 @@ def _least_changed(
         return None if missed is None else scaled(wanted + missed, wanted)
 
     tols = np.where(wanted > 0, tol, tol * np.where(wanted == 0, 1.0, np.abs(wanted)))
-    start = np.array([_start(knob) for knob in smooth])
+    start = np.array([knob.share(knob.start) for knob in smooth])
     place, seen = least_change(function, start, scaled(wanted, wanted), tols, most)
     if place is not None:
         return [_point(evaluator, evaluator.ask(values(place)))], []
     used_up = f"the search ended after {most} evaluations: --evaluations allows more"
     return [], [used_up] if len(seen) >= most else []
-
-
-def _start(knob: DesignVariable) -> float:
-    """The share of the range at which the design's own value lies, or the nearest end; else the middle."""
-    known: Any = knob.start
-    return knob.share(min(max(known, knob.low), knob.high)) if isinstance(known, int | float) else 0.5

@@ -293,8 +293,15 @@ class DesignVariable:
             return float(f"{self.low * (self.high / self.low) ** share:.{DIGITS}g}")
         return float(f"{self.low + share * (self.high - self.low):.{DIGITS}g}")
 
-    def share(self, value: float) -> float:
-        """Return at which share of the range a value of it lies."""
+    def share(self, value: Value | None) -> float:
+        """Return at which share of the range a value lies, or the nearest end: of choices and whole numbers
+        the middle of its step. Without a value the middle of the range."""
+        steps = list(self.values()) if self.choices or self.whole else []
+        if value in steps:
+            return (steps.index(value) + 0.5) / len(steps)
+        if steps or not isinstance(value, int | float):
+            return 0.5
+        value = min(max(float(value), self.low), self.high)
         if self.by_ratio:
             return math.log(value / self.low) / math.log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
