@@ -25,7 +25,7 @@ from skincad.studies.query import first_able
 from skincad.studies.solving import MODELS
 from skincad.studies.subject import changed, value_of
 
-WORDS = "answers/advice.txt"
+WORDS = "reasons/advice.txt"
 AIM = 0.95  # of the asked force: what the change's force with its error is to be
 GUESS = 1.2  # the upper end of an all-touch force over its value, while no model has given one
 NEAR = 0.05  # relative: how near to the aim is enough

@@ -26,7 +26,7 @@ from skincad.studies.running import Log, Run, Values, Workers, log_in
 from skincad.studies.running import workers as working
 from skincad.studies.searches import combinations, search
 from skincad.studies.study import Member, Model, Optimisation, Results, RobustObjective, Study
-from skincad.studies.subject import SKIN, DesignVariable, Subject, Value, knobs
+from skincad.studies.subject import SKIN, DesignVariable, Subject, Value, knobs, values_at
 from skincad.studies.sweeping import RANKED_BY, SweepResult, ranking
 
 MAPPED, ROUNDS = 5, 3  # searches of the closed form, and parts of the model's, each judged at its end
@@ -66,7 +66,7 @@ def optimise(
         for number in range(ROUNDS):
             front = hunt.searched(place, (number + 1) * study.evaluations // ROUNDS, who)
             chosen = front if hunt.judges_free else _spread(front, JUDGED)
-            judged = [hunt.judged(hunt.values(chosen_member.place), who) for chosen_member in chosen]
+            judged = [hunt.judged(values_at(varied, chosen_member.place), who) for chosen_member in chosen]
             there = [member for member in judged if member is not None]
             members += [other for other in there if other.values not in [m.values for m in members]]
             hunt.correct(next(iter(there), None), who)  # also where the judge says that a limit is broken
@@ -121,10 +121,6 @@ class _Hunt:
     best: float | None = None  # the first objective's least loss that keeps all limits, by its worse end
     aims: dict[Any, Any] = field(default_factory=dict)
 
-    def values(self, place: Array) -> Values:
-        """Return the values at a place of the unit cube."""
-        return {knob.key: knob.at(float(x)) for knob, x in zip(self.knobs, place, strict=True)}
-
     def place(self, values: Values) -> Array:
         """Return a place of the unit cube with these values."""
         return np.array([knob.share(values.get(knob.key, knob.start)) for knob in self.knobs])
@@ -139,7 +135,7 @@ class _Hunt:
             best = pareto_front(evaluations)[0]
             if not best.there or (members and float(np.abs(best.place - place).max()) < SAME):
                 break
-            place, member = best.place, self.judged(self.values(best.place), who)
+            place, member = best.place, self.judged(values_at(self.knobs, best.place), who)
             if member is None:
                 break
             members.append(member)
@@ -234,11 +230,11 @@ class _Hunt:
         known = self.known[model]
 
         def design(place: Array) -> tuple[Value, ...]:
-            return tuple(self.values(place).values())
+            return tuple(values_at(self.knobs, place).values())
 
         def function(places: list[Array]) -> list[Outcome]:
             fresh = {design(place): place for place in places if design(place) not in known}
-            answers = self._told([self.values(place) for place in fresh.values()], model, who)
+            answers = self._told([values_at(self.knobs, place) for place in fresh.values()], model, who)
             for (values, place), answer in zip(fresh.items(), answers, strict=True):
                 known[values] = (place, *answer)
             evaluations = [self.weighing.told(place, known[design(place)][2], model) for place in places]

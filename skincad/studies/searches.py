@@ -64,7 +64,8 @@ def search(
     """
     count = combinations(knobs)
     if count is not None and count <= budget:
-        return fixed_places([_places(knobs)])
+        sizes = tuple(levels(knob) for knob in knobs)  # each in the middle of its step
+        return fixed_places([[(np.array(i) + 0.5) / np.array(sizes) for i in np.ndindex(*sizes)]])
     if name in SEVERAL:
         return optimiser(name, knobs, losses, seed, start)
     if len(knobs) == 1 and not knobs[0].choices:
@@ -254,12 +255,6 @@ def choices_and_number(
         outcomes = yield [np.insert(others, number, place) for place in places]
         line.send([*map(alone, outcomes)])
         yield []
-
-
-def _places(knobs: Sequence[DesignVariable]) -> list[Array]:
-    """All combinations as places on the unit cube, each in the middle of its step."""
-    sizes = tuple(levels(knob) for knob in knobs)
-    return [(np.array(index) + 0.5) / np.array(sizes) for index in np.ndindex(*sizes)]
 
 
 def _loss(evaluation: Outcome) -> float:

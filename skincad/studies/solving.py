@@ -40,6 +40,7 @@ from skincad.studies.subject import (
     knobs,
     nearest_silicone,
     owner,
+    values_at,
 )
 
 
@@ -369,7 +370,7 @@ def _least_changed(
     wanted = np.array(list(evaluator.wished.values()), dtype=float)
 
     def values(place: Array) -> Values:
-        return {**fixed, **{knob.key: knob.at(x) for knob, x in zip(smooth, place.tolist(), strict=True)}}
+        return {**fixed, **values_at(smooth, place)}
 
     def function(place: Array) -> Array | None:
         missed = evaluator.missed(evaluator.ask(values(place)))

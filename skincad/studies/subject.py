@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -379,6 +379,11 @@ def knobs(subject: Subject, vary: Mapping[str, RangeText]) -> tuple[DesignVariab
     if not vary:
         raise InputError("vary", "names no key", remedy="as in ridge.height=0.4:1.3")
     return tuple(knob(subject, key, values) for key, values in vary.items())
+
+
+def values_at(knobs: Sequence[DesignVariable], place: Iterable[float]) -> dict[str, Value]:
+    """Return the values by key at a place of the unit cube."""
+    return {knob.key: knob.at(float(share)) for knob, share in zip(knobs, place, strict=True)}
 
 
 def _parts(key: str, values: RangeText) -> list[Any]:

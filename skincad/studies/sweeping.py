@@ -25,7 +25,7 @@ from skincad.mechanics.verdict import NextModel
 from skincad.studies.query import Evaluation, Query, first_able, meant, question_of, resolved, worded
 from skincad.studies.running import Run, Values, log_in
 from skincad.studies.running import workers as working
-from skincad.studies.subject import DesignVariable, RangeText, Subject, Value, knobs
+from skincad.studies.subject import DesignVariable, RangeText, Subject, Value, knobs, values_at
 
 Goal = Literal["min", "max"]
 # of a model's error, what two designs do not share: bench/ranks.py found 0.06 at most on seeds 0 to 24, on
@@ -371,7 +371,7 @@ def points_of(subject: Subject, vary: Mapping[str, RangeText], sample: int | Non
     from scipy.stats import qmc  # half a second, which most commands need not wait for
 
     places = qmc.Sobol(len(varied), scramble=False).random_base2(size)[:sample]
-    return [{knob.key: knob.at(float(x)) for knob, x in zip(varied, place, strict=True)} for place in places]
+    return [values_at(varied, place) for place in places]
 
 
 def _next_model(

@@ -56,10 +56,10 @@ def thick_warnings(design: Design, face: Gripper | None) -> tuple[str, ...]:
 
 
 def _rows(name: str, design: Design, *values: Any) -> list[list[str]]:
-    """The entries of a macro of templates/answers/wish.txt, each by its parts."""
+    """The entries of a macro of templates/reasons/wish.txt, each by its parts."""
     skin, pitch, crests = skin_of(design), design.spacing, skin_of(design).crests
     text = macro(
-        "answers/wish.txt",
+        "reasons/wish.txt",
         name,
         *values,
         rules=wish_shapes,
