@@ -26,9 +26,11 @@ from skincad.studies.query import (
     Query,
     first_able,
     question_of,
+    ranges,
     scaled,
     short,
     slack,
+    total_seconds,
 )
 from skincad.studies.roots import STEP, least_change, search
 from skincad.studies.subject import (
@@ -82,9 +84,7 @@ class Solution(Result):
         """The subject's name."""
         return self.subject.name
 
-    @reported(meaning="keys and their ranges or choices", key="vary")
-    def _vary(self) -> dict[str, list[Value]]:
-        return {knob.key: knob.range for knob in self.knobs}
+    _vary = ranges
 
     @reported(meaning="the model of all checks", key="tier")
     def model(self) -> str | None:
@@ -105,9 +105,7 @@ class Solution(Result):
         """How far the range was searched."""
         return "complete" if self.complete else "partial"
 
-    @reported(meaning="wall time, s", key="seconds")
-    def _seconds(self) -> dict[str, float]:
-        return {"total": self.seconds}
+    _seconds = total_seconds
 
     @reported(meaning="whether there is a solution")
     def feasible(self) -> bool:
