@@ -17,7 +17,7 @@ import numpy as np
 
 from bench import runner
 from skincad.studies import DesignVariable, combinations
-from skincad.studies.optimisers import Cma, Optimiser, OptunaSearch, Outcome, levels, minimise, optimiser
+from skincad.studies.optimisers import Optimiser, Outcome, cma_es, levels, minimise, optimiser, optuna_search
 from skincad.studies.searches import search
 
 KINDS = {"one": 1, "mixed": 2, "discrete": 3}  # and what of the seed tells them apart
@@ -25,8 +25,8 @@ BUDGETS = {"one": (30, 60), "mixed": (60, 200), "discrete": (60,)}
 Knobs = tuple[DesignVariable, ...]
 SEARCHES: dict[str, Callable[[Knobs, int], Optimiser]] = {
     "as it ships": lambda knobs, budget: search(None, knobs, 1, budget, 1, None),
-    "TPE": lambda knobs, budget: OptunaSearch("tpe", knobs, 1, 1, None, budget),
-    "CMA-ES": lambda knobs, _: Cma(knobs, 1),
+    "TPE": lambda knobs, budget: optuna_search("tpe", knobs, 1, 1, None, budget),
+    "CMA-ES": lambda knobs, _: cma_es(knobs, 1),
     "Sobol": lambda knobs, _: optimiser("sobol", knobs, 1, 1, None),
 }
 

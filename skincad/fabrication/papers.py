@@ -1,8 +1,8 @@
 """Words for people: texts of templates/, which ask a job and the rooms that plan it. A number is computed in
 one place alone, so no two papers say two of it.
 
-`papers` are Markdown and files that people read, `answers` what commands print of a result, `pages` HTML,
-`simulators` XML.
+`papers` are Markdown and files that people read, `answers` what commands print of a result, `reasons` why a
+result is as it is, `pages` HTML, `simulators` XML.
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ from scipy import optimize
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress
+from skincad.fabrication.papers import macro
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.silicone import silicones
@@ -24,6 +25,7 @@ from skincad.studies.query import first_able
 from skincad.studies.solving import MODELS
 from skincad.studies.subject import changed, value_of
 
+WORDS = "reasons/advice.txt"
 AIM = 0.95  # of the asked force: what the change's force with its error is to be
 GUESS = 1.2  # the upper end of an all-touch force over its value, while no model has given one
 NEAR = 0.05  # relative: how near to the aim is enough
@@ -60,7 +62,7 @@ def advising(
     if verdict.passed or verdict.out_of_range:
         yield verdict
         return
-    advised = replace(verdict, cause=cause(design, verdict))
+    advised = replace(verdict, cause=macro(WORDS, "cause", skin_of(design), verdict))
     yield advised
     deadline = math.inf if budget is None else perf_counter() + budget
     search = _Search(design, verdict, progress or (lambda *_: None), deadline)
@@ -73,11 +75,7 @@ def advising(
             advised = replace(advised, changes=(*(advised.changes or ()), change))
             yield advised
     if search.hurried:
-        *others, last = search.hurried
-        keys = f"{', '.join(others)} and {last}" if others else last
-        search.notes.append(
-            f"to end within {budget:.2g} s, {keys} got cheaper models; --advice takes the time that it needs"
-        )
+        search.notes.append(macro(WORDS, "hurried", budget, search.hurried))
     if search.notes or advised.changes is None:
         yield replace(
             advised,
@@ -98,17 +96,6 @@ def seconds_for_advice(
     if wanted is None:
         return max(PATIENCE, verdict.seconds["total"]) if budget is None else 0.0
     return math.inf if wanted else 0.0
-
-
-def cause(design: Design, verdict: ContactCheck) -> str:
-    """Return why ridges stay clear, in mm: the crests against the plate's approach."""
-    skin = skin_of(design)
-    heights, approach = skin.crests, verdict.approach.value or 0.0
-    drop, high = max(heights) - min(heights), max(skin.heights)
-    return (
-        f"the lowest crest lies {drop:.2g} mm below the highest, of ridges {high:g} mm high; at "
-        f"{verdict.force:g} N the plate comes {approach:.2g} mm down"
-    )
 
 
 @dataclass
@@ -283,17 +270,9 @@ def _other_silicone(search: _Search) -> Change | None:
         change, _ = _checked("material.name", str(design.material.name), name, search.scale(), search)
         if change:
             return change
-    if softer:
-        search.notes.append(
-            f"it takes about {wanted:.2g} MPa; the {search.verdict.model} model can't confirm that the "
-            f"design passes with {' and '.join(softer[:AGAIN])}"
-        )
-    else:
-        softest = min(listed, key=lambda name: listed[name])
-        search.notes.append(
-            f"no silicone in the list was found soft enough: it takes about {wanted:.2g} MPa, and the "
-            f"softest, {softest}, has {listed[softest]:.2g} MPa"
-        )
+    softest = min(listed, key=lambda name: listed[name])
+    tried = softer[:AGAIN], softest, listed[softest]
+    search.notes.append(macro(WORDS, "silicones", wanted, search.verdict.model, *tried))
     return None
 
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 import itertools
 import math
 import warnings
-from collections.abc import Callable, Collection, Hashable, Iterator, Sequence
-from dataclasses import InitVar, dataclass
-from typing import Any, Literal, Protocol, get_args
+from collections.abc import Callable, Collection, Generator, Hashable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
 
 import numpy as np
 from scipy.stats import qmc
@@ -55,202 +55,161 @@ class Outcome:
         return float(np.maximum(self.limits, 0.0).sum()) if self.there else math.inf
 
 
-class Optimiser(Protocol):
-    """Asks for places `(n,)` on the unit cube, all of a batch at once, and is told of each."""
-
-    def ask(self) -> list[Array]:
-        """Return the next places."""
-
-    def tell(self, evaluations: Sequence[Outcome]) -> None:
-        """Take note of what was at the places asked for last, in their order."""
+# yields the next batch of places `(n,)` on the unit cube; it is sent the outcomes there, in their order,
+# which it answers by an empty batch, and waits until the next batch is wanted
+Optimiser = Generator[list[Array], Sequence[Outcome], None]
 
 
-@dataclass
-class Cma:
-    """CMA-ES (Hansen 2016) on one loss, begun anew with twice the batch where it has converged; limits by an
-    augmented Lagrangian (Atamna and others 2017)."""
+def cma_es(knobs: Sequence[DesignVariable], seed: int, start: Array | None = None) -> Optimiser:
+    """Search one loss by CMA-ES (Hansen 2016), begun anew with twice the batch where it has converged; limits
+    by an augmented Lagrangian (Atamna and others 2017)."""
+    import cma
 
-    knobs: tuple[DesignVariable, ...]
-    seed: int
-    start: Array | None = None
-    _inner: Any = None
-    _runs: int = 0
-
-    def __post_init__(self) -> None:
-        # a step of a choice or a whole number is one unit, so that CMA's own handling of integers knows it
-        self._levels = np.array([levels(knob) or 1 for knob in self.knobs], dtype=float)
-        self._begin()
-
-    def _begin(self) -> None:
-        import cma
-
-        known = self.start is not None and self._runs == 0
-        middle = self.start if known and self.start is not None else np.full(len(self.knobs), 0.5)
-        whole = [i for i, knob in enumerate(self.knobs) if levels(knob)]
-        size = 4 + int(3 * math.log(len(self.knobs)))
-        options = {
-            "bounds": [np.zeros(len(self.knobs)), self._levels],
-            "CMA_stds": self._levels,
-            "integer_variables": whole,
-            "popsize": size * 2**self._runs,
-            "seed": self.seed + 1000 * self._runs + 1,
-            "verbose": -9,
-            "tolx": 1e-6,
-        }
-        self._inner = cma.CMAEvolutionStrategy(middle * self._levels, NEAR if known else SPREAD, options)
-        # the library's own way to let it write no logs into the working directory
-        cma.constraints_handler._Logger = cma.logger.LoggerDummy
-        self._lagrangian = cma.ConstrainedFitnessAL(
-            lambda x: self._at(x)[0], lambda x: self._at(x)[1], archives=()
+    # the library's own way to let it write no logs into the working directory
+    cma.constraints_handler._Logger = cma.logger.LoggerDummy
+    # a step of a choice or a whole number is one unit, so that CMA's own handling of integers knows it
+    units = np.array([levels(knob) or 1 for knob in knobs], dtype=float)
+    options = {
+        "bounds": [np.zeros(len(knobs)), units],
+        "CMA_stds": units,
+        "integer_variables": [i for i, knob in enumerate(knobs) if levels(knob)],
+        "verbose": -9,
+        "tolx": 1e-6,
+    }
+    size, middle = 4 + int(3 * math.log(len(knobs))), np.full(len(knobs), 0.5)
+    last: dict[tuple[float, ...], Outcome] = {}  # batch, by its places in units
+    for run in itertools.count():
+        at, wide = (middle, SPREAD) if run or start is None else (start, NEAR)
+        own = {"popsize": size * 2**run, "seed": seed + 1000 * run + 1}
+        strategy = cma.CMAEvolutionStrategy(at * units, wide, {**options, **own})
+        lagrangian = cma.ConstrainedFitnessAL(
+            lambda x: float(last[tuple(x)].losses[0]), lambda x: last[tuple(x)].limits.tolist(), archives=()
         )
-        self._runs += 1
-
-    def ask(self) -> list[Array]:
-        """Return one generation."""
-        if self._inner.stop():
-            self._begin()
-        self._asked = self._inner.ask()
-        return [np.clip(place / self._levels, 0.0, 1.0) for place in self._asked]
-
-    def tell(self, evaluations: Sequence[Outcome]) -> None:
-        """Take the generation's losses and limits; a place without a result is worse than all others."""
-        self._told = {tuple(x): evaluation for x, evaluation in zip(self._asked, evaluations, strict=True)}
-        limited = bool(evaluations[0].limits.size)
-        fitness = [
-            math.nan
-            if not evaluation.there
-            else self._lagrangian(x)
-            if limited
-            else float(evaluation.losses[0])
-            for x, evaluation in zip(self._asked, evaluations, strict=True)
-        ]
-        worst = max((value for value in fitness if math.isfinite(value)), default=0.0)
-        filled = [value if math.isfinite(value) else worst + 1.0 + abs(worst) for value in fitness]
-        self._inner.tell(self._asked, filled)
-        if limited and any(evaluation.there for evaluation in evaluations):
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", UserWarning)  # of a limit that is the same everywhere
-                self._lagrangian.update(self._inner)
-
-    def _at(self, x: Any) -> tuple[float, list[float]]:
-        evaluation = self._told[tuple(x)]
-        return float(evaluation.losses[0]), evaluation.limits.tolist()
+        while not strategy.stop():
+            asked = strategy.ask()
+            outcomes = yield [np.clip(place / units, 0.0, 1.0) for place in asked]
+            last.clear()
+            last.update(zip(map(tuple, asked), outcomes, strict=True))
+            limited = bool(outcomes[0].limits.size)
+            # a place without a result is worse than all others
+            fitness = [
+                math.nan if not outcome.there else lagrangian(x) if limited else float(outcome.losses[0])
+                for x, outcome in zip(asked, outcomes, strict=True)
+            ]
+            worst = max((value for value in fitness if math.isfinite(value)), default=0.0)
+            filled = [value if math.isfinite(value) else worst + 1.0 + abs(worst) for value in fitness]
+            strategy.tell(asked, filled)
+            if limited and any(outcome.there for outcome in outcomes):
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore", UserWarning)  # of a limit that is the same everywhere
+                    lagrangian.update(strategy)
+            yield []
 
 
-@dataclass
-class OptunaSearch:
-    """A sampler of Optuna, `tpe` or `nsga2`: a limit that is broken comes before all losses.
+def optuna_search(
+    name: Literal["tpe", "nsga2"],
+    knobs: Sequence[DesignVariable],
+    losses: int,
+    seed: int,
+    start: Array | None = None,
+    budget: int = 200,
+    known: Sequence[Outcome] = (),
+) -> Optimiser:
+    """Search by a sampler of Optuna: a limit that is broken comes before all losses.
 
     TPE (Bergstra and others 2011) is for choices and whole numbers, with numbers or without, NSGA-II (Deb
     2002) for several losses. TPE asks no design twice, and goes on from `known`, earlier evaluations.
     """
+    import optuna
 
-    sampler: Literal["tpe", "nsga2"]
-    knobs: tuple[DesignVariable, ...]
-    losses: int
-    seed: int
-    start: Array | None = None
-    budget: int = 200
-    known: InitVar[Sequence[Outcome]] = ()
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    random = np.random.default_rng(seed)
+    # of each knob the steps by their values: choices need not stand in the order of their numbers
+    steps = {f"x{i}": _steps(knob) for i, knob in enumerate(knobs)}
+    margin, kinds = BEYOND if name == "tpe" else 0.0, optuna.distributions
+    named = [any(isinstance(choice, str) for choice in knob.choices) for knob in knobs]
+    space = {
+        key: kinds.CategoricalDistribution(own)
+        if text
+        else kinds.IntDistribution(0, len(own) - 1)
+        if own
+        else kinds.FloatDistribution(-margin, 1 + margin)
+        for (key, own), text in zip(steps.items(), named, strict=True)
+    }
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)  # interfaces may change
+        if name == "tpe":
+            at_random = min(10, budget // 4)  # the library's own 10 are many of a few evaluations
+            sampler = optuna.samplers.TPESampler(seed=seed, multivariate=True, n_startup_trials=at_random)
+            batch, first = TPE_BATCH, [] if start is None else [start]
+        else:
+            sampler, first = _nsga2(len(knobs), seed, start, random)
+            batch = POPULATION
+    study = optuna.create_study(directions=["minimize"] * losses, sampler=sampler)
 
-    def __post_init__(self, known: Sequence[Outcome]) -> None:
-        import optuna
-
-        optuna.logging.set_verbosity(optuna.logging.ERROR)
-        self._optuna, self._random = optuna, np.random.default_rng(self.seed)
-        # of each knob the steps by their values: choices need not stand in the order of their numbers
-        self._steps = [_steps(knob) for knob in self.knobs]
-        self._space = {f"x{i}": self._distribution(i) for i in range(len(self.knobs))}
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)  # interfaces may change
-            sampler, self._batch, first = self._sampler(optuna.samplers)
-        self._study = optuna.create_study(directions=["minimize"] * self.losses, sampler=sampler)
-        self._asked = set[tuple[float, ...]]()
-        for evaluation in known:
-            parameters, (broken, losses) = self._parameters(evaluation.place), _finite(evaluation)
-            self._asked.add(tuple(parameters.values()))
-            self._study.add_trial(
-                optuna.trial.create_trial(
-                    params=parameters,
-                    distributions=self._space,
-                    values=losses,
-                    constraints={"limits": broken},
-                )
-            )
-        for place in first:
-            self._study.enqueue_trial(self._parameters(place))
-
-    def _distribution(self, number: int) -> Any:
-        kinds, steps = self._optuna.distributions, self._steps[number]
-        if any(isinstance(choice, str) for choice in self.knobs[number].choices):
-            return kinds.CategoricalDistribution(steps)
-        margin = BEYOND if self.sampler == "tpe" else 0.0
-        return (
-            kinds.IntDistribution(0, len(steps) - 1)
-            if steps
-            else kinds.FloatDistribution(-margin, 1 + margin)
-        )
-
-    def _sampler(self, samplers: Any) -> tuple[Any, int, Sequence[Array]]:
-        """The sampler, how many places it asks for at once, and with which it begins."""
-        if self.sampler == "tpe":
-            first = min(10, self.budget // 4)  # at random; the library's own 10 are many of a few evaluations
-            tpe = samplers.TPESampler(seed=self.seed, multivariate=True, n_startup_trials=first)
-            return tpe, TPE_BATCH, [] if self.start is None else [self.start]
-        # Deb's own operators: on ZDT1 the library's defaults need several times the evaluations
-        nsga2 = samplers.NSGAIISampler(
-            population_size=POPULATION,
-            seed=self.seed,
-            crossover=samplers.nsgaii.SBXCrossover(eta=10),
-            mutation=samplers.nsgaii.PolynomialMutation(),
-        )
-        points: Array = np.asarray(qmc.Sobol(len(self.knobs), rng=self.seed).random(64)[:POPULATION])
-        if self.start is not None:  # every second place lies around it
-            around = np.clip(self._random.normal(self.start, MUTATED, points.shape), 0.0, 1.0)
-            points = np.where(np.arange(len(points))[:, None] % 2, points, around)
-        return nsga2, POPULATION, list(points)
-
-    def ask(self) -> list[Array]:
-        """Return the next places."""
-        self._trials = [self._trial() for _ in range(self._batch)]
-        return [self._place(self._row(trial)) for trial in self._trials]
-
-    def _place(self, row: tuple[float, ...]) -> Array:
-        columns = zip(self._steps, row, strict=True)
-        return np.array([(steps[int(x)] + 0.5) / len(steps) if steps else x for steps, x in columns])
-
-    def _trial(self) -> Any:
-        """The sampler's next design, of TPE a random one in the place of one that was asked."""
-        trial = self._study.ask(self._space)
-        if self.sampler == "tpe" and self._row(trial) in self._asked:
-            self._study.tell(trial, state=self._optuna.trial.TrialState.FAIL)
-            rows = (self._parameters(self._random.random(len(self.knobs))) for _ in range(MAX_IDLE))
-            new = (row for row in rows if tuple(row.values()) not in self._asked)
-            self._study.enqueue_trial(next(new, trial.params))
-            trial = self._study.ask(self._space)
-        self._asked.add(self._row(trial))
-        return trial
-
-    def _row(self, trial: Any) -> tuple[float, ...]:
-        rows = zip(self._space, self._steps, strict=True)
-        return tuple(
-            trial.params[name] if steps else min(max(trial.params[name], 0.0), 1.0) for name, steps in rows
-        )
-
-    def _parameters(self, place: Array) -> dict[str, float]:
+    def parameters(place: Array) -> dict[str, float]:
         """The place as Optuna has it: of choices and whole numbers which step it is."""
-        rows = zip(self._space, self._steps, place, strict=True)
         return {
-            name: steps.index(min(int(x * len(steps)), len(steps) - 1)) if steps else float(x)
-            for name, steps, x in rows
+            key: own.index(min(int(x * len(own)), len(own) - 1)) if own else float(x)
+            for (key, own), x in zip(steps.items(), place, strict=True)
         }
 
-    def tell(self, evaluations: Sequence[Outcome]) -> None:
-        """Take the losses and limits."""
-        for trial, evaluation in zip(self._trials, evaluations, strict=True):
-            broken, losses = _finite(evaluation)
+    def row(trial: Any) -> tuple[float, ...]:
+        numbers = ((own, trial.params[key]) for key, own in steps.items())
+        return tuple(x if own else min(max(x, 0.0), 1.0) for own, x in numbers)
+
+    asked = set[tuple[float, ...]]()
+    for outcome in known:
+        (broken, values), there = _finite(outcome), parameters(outcome.place)
+        asked.add(tuple(there.values()))
+        study.add_trial(
+            optuna.trial.create_trial(
+                params=there, distributions=space, values=values, constraints={"limits": broken}
+            )
+        )
+    for place in first:
+        study.enqueue_trial(parameters(place))
+    while True:
+        trials, rows = [], []
+        for _ in range(batch):
+            trial = study.ask(space)
+            if name == "tpe" and row(trial) in asked:  # a random one in its place
+                study.tell(trial, state=optuna.trial.TrialState.FAIL)
+                drawn = (parameters(random.random(len(knobs))) for _ in range(MAX_IDLE))
+                new = (other for other in drawn if tuple(other.values()) not in asked)
+                study.enqueue_trial(next(new, trial.params))
+                trial = study.ask(space)
+            trials.append(trial)
+            rows.append(row(trial))
+            asked.add(rows[-1])
+        columns = list(steps.values())
+        outcomes = yield [
+            np.array([(o[int(x)] + 0.5) / len(o) if o else x for o, x in zip(columns, values, strict=True)])
+            for values in rows
+        ]
+        for trial, outcome in zip(trials, outcomes, strict=True):
+            broken, values = _finite(outcome)
             trial.set_constraint("limits", broken)
-            self._study.tell(trial, losses)
+            study.tell(trial, values)
+        yield []
+
+
+def _nsga2(size: int, seed: int, start: Array | None, random: np.random.Generator) -> tuple[Any, list[Array]]:
+    """NSGA-II with Deb's own operators, and the places that it begins with: on ZDT1 the library's defaults
+    need several times the evaluations."""
+    from optuna.samplers import NSGAIISampler, nsgaii
+
+    sampler = NSGAIISampler(
+        population_size=POPULATION,
+        seed=seed,
+        crossover=nsgaii.SBXCrossover(eta=10),
+        mutation=nsgaii.PolynomialMutation(),
+    )
+    points: Array = np.asarray(qmc.Sobol(size, rng=seed).random(64)[:POPULATION])
+    if start is not None:  # every second place lies around it
+        around = np.clip(random.normal(start, MUTATED, points.shape), 0.0, 1.0)
+        points = np.where(np.arange(len(points))[:, None] % 2, points, around)
+    return sampler, list(points)
 
 
 def _steps(knob: DesignVariable) -> list[int]:
@@ -264,24 +223,11 @@ def _finite(evaluation: Outcome) -> tuple[float, list[float]]:
     return min(evaluation.broken, WORST), np.nan_to_num(evaluation.losses, nan=WORST).tolist()
 
 
-@dataclass
-class FixedPlaces:
-    """Places that are known beforehand, a batch at a time, whatever is there."""
-
-    batches: Iterator[list[Array]]
-
-    def ask(self) -> list[Array]:
-        """Return the next places; none behind the last ones."""
-        return next(self.batches, [])
-
-    def tell(self, evaluations: Sequence[Outcome]) -> None:
-        """Take no note."""
-
-
-def sobol(knobs: Sequence[DesignVariable], seed: int) -> FixedPlaces:
-    """Return points that fill the cube evenly."""
-    points = qmc.Sobol(len(knobs), rng=seed)
-    return FixedPlaces(list(points.random(SOBOL_BATCH)) for _ in itertools.count())
+def fixed_places(batches: Iterable[list[Array]]) -> Optimiser:
+    """Go through places that are known beforehand, a batch at a time, whatever is there."""
+    for places in batches:
+        yield places
+        yield []
 
 
 def either(names: Sequence[str]) -> str:
@@ -304,8 +250,9 @@ def optimiser(
     """
     check_losses(name, losses)
     if name == "sobol":
-        return sobol(knobs, seed)
-    return Cma(knobs, seed, start) if name == "cma" else OptunaSearch(name, knobs, losses, seed, start)
+        points = qmc.Sobol(len(knobs), rng=seed)  # they fill the cube evenly
+        return fixed_places(list(points.random(SOBOL_BATCH)) for _ in itertools.count())
+    return cma_es(knobs, seed, start) if name == "cma" else optuna_search(name, knobs, losses, seed, start)
 
 
 def levels(knob: DesignVariable) -> int:
@@ -346,9 +293,9 @@ def minimise(
     """
     archive: dict[Hashable, Outcome] = {}
     before, new, idle = frozenset(known), 0, 0
-    while new < most and idle < MAX_IDLE and (places := optimiser.ask()):
+    while new < most and idle < MAX_IDLE and (places := next(optimiser, [])):
         evaluations = function(places)
-        optimiser.tell(evaluations)
+        optimiser.send(evaluations)
         batch = {design(place): evaluation for place, evaluation in zip(places, evaluations, strict=True)}
         fresh = len(batch.keys() - archive.keys() - before)
         new, idle = new + fresh, 0 if fresh else idle + len(places)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -20,13 +20,13 @@ from skincad.base.estimate import Estimate
 from skincad.base.progress import Tick
 from skincad.inputs.design import Design
 from skincad.scenes.scene import Scene
-from skincad.studies.optimisers import Optimiser, OptunaSearch, Outcome, levels, minimise, pareto_front
+from skincad.studies.optimisers import Optimiser, Outcome, minimise, optuna_search, pareto_front
 from skincad.studies.query import GUIDE, Evaluation, Query, first_able, meant, question_of, worded
 from skincad.studies.running import Log, Run, Values, Workers, log_in
 from skincad.studies.running import workers as working
 from skincad.studies.searches import combinations, search
 from skincad.studies.study import Member, Model, Optimisation, Results, RobustObjective, Study
-from skincad.studies.subject import SKIN, DesignVariable, Subject, Value, knobs
+from skincad.studies.subject import SKIN, DesignVariable, Subject, Value, knobs, values_at
 from skincad.studies.sweeping import RANKED_BY, SweepResult, ranking
 
 MAPPED, ROUNDS = 5, 3  # searches of the closed form, and parts of the model's, each judged at its end
@@ -66,7 +66,7 @@ def optimise(
         for number in range(ROUNDS):
             front = hunt.searched(place, (number + 1) * study.evaluations // ROUNDS, who)
             chosen = front if hunt.judges_free else _spread(front, JUDGED)
-            judged = [hunt.judged(hunt.values(chosen_member.place), who) for chosen_member in chosen]
+            judged = [hunt.judged(values_at(varied, chosen_member.place), who) for chosen_member in chosen]
             there = [member for member in judged if member is not None]
             members += [other for other in there if other.values not in [m.values for m in members]]
             hunt.correct(next(iter(there), None), who)  # also where the judge says that a limit is broken
@@ -98,12 +98,8 @@ def _spread(front: Sequence[Outcome], most: int) -> list[Outcome]:
     return [placed[round(i)] for i in np.linspace(0, len(placed) - 1, most)]
 
 
-class Known(NamedTuple):
-    """A place, a model's answer there, and all numbers of the design; None where one of them is refused."""
-
-    place: Array
-    answer: Evaluation
-    results: Results | None
+# a place, a model's answer there, and all numbers of the design; None where one of them is refused
+Known = tuple[Array, Evaluation, Results | None]
 
 
 @dataclass
@@ -125,22 +121,9 @@ class _Hunt:
     best: float | None = None  # the first objective's least loss that keeps all limits, by its worse end
     aims: dict[Any, Any] = field(default_factory=dict)
 
-    def values(self, place: Array) -> Values:
-        """Return the values at a place of the unit cube."""
-        return {knob.key: knob.at(float(x)) for knob, x in zip(self.knobs, place, strict=True)}
-
     def place(self, values: Values) -> Array:
         """Return a place of the unit cube with these values."""
-        places = []
-        for knob in self.knobs:
-            value, names = values.get(knob.key, knob.start), list(knob.values()) if levels(knob) else []
-            if value in names:
-                places.append((names.index(value) + 0.5) / len(names))
-            elif names or value is None:
-                places.append(0.5)
-            else:
-                places.append(knob.share(min(max(float(value), knob.low), knob.high)))
-        return np.array(places)
+        return np.array([knob.share(values.get(knob.key, knob.start)) for knob in self.knobs])
 
     def coarse(self, who: Workers) -> tuple[Array, list[Member]]:
         """Return the best place by the closed form, or the subject's own, and what was judged on the way."""
@@ -152,7 +135,7 @@ class _Hunt:
             best = pareto_front(evaluations)[0]
             if not best.there or (members and float(np.abs(best.place - place).max()) < SAME):
                 break
-            place, member = best.place, self.judged(self.values(best.place), who)
+            place, member = best.place, self.judged(values_at(self.knobs, best.place), who)
             if member is None:
                 break
             members.append(member)
@@ -180,7 +163,7 @@ class _Hunt:
         self._minimised("search", self.asking, most - len(self.known["search"]), who)
         if count is not None and len(self.known["search"]) < min(most, count):
             objectives, known = len(self.study.objectives), self._evaluations()
-            self.asking = OptunaSearch("tpe", self.knobs, objectives, self.study.seed, start, budget, known)
+            self.asking = optuna_search("tpe", self.knobs, objectives, self.study.seed, start, budget, known)
             self._minimised("search", self.asking, most - len(self.known["search"]), who)
         return self._front()
 
@@ -189,8 +172,8 @@ class _Hunt:
 
     def _evaluations(self) -> list[Outcome]:
         return [
-            self.weighing.told(known.place, known.results, "search")
-            for known in self.known["search"].values()
+            self.weighing.told(place, results, "search")
+            for place, _, results in self.known["search"].values()
         ]
 
     @property
@@ -247,14 +230,14 @@ class _Hunt:
         known = self.known[model]
 
         def design(place: Array) -> tuple[Value, ...]:
-            return tuple(self.values(place).values())
+            return tuple(values_at(self.knobs, place).values())
 
         def function(places: list[Array]) -> list[Outcome]:
             fresh = {design(place): place for place in places if design(place) not in known}
-            answers = self._told([self.values(place) for place in fresh.values()], model, who)
+            answers = self._told([values_at(self.knobs, place) for place in fresh.values()], model, who)
             for (values, place), answer in zip(fresh.items(), answers, strict=True):
-                known[values] = Known(place, *answer)
-            evaluations = [self.weighing.told(place, known[design(place)].results, model) for place in places]
+                known[values] = (place, *answer)
+            evaluations = [self.weighing.told(place, known[design(place)][2], model) for place in places]
             if model == "search" and self.tick is not None:
                 self.best = _better(self.best, evaluations)
                 objective = self.study.objectives[0]

@@ -22,7 +22,7 @@ from skincad.base.errors import ExhaustedError, InputError, RefusedError, did_yo
 from skincad.base.estimate import Estimate
 from skincad.base.interrupt import safe_point
 from skincad.base.progress import Progress
-from skincad.base.result import Result, bare_key, unit_of_key
+from skincad.base.result import Result, bare_key, reported, unit_of_key
 from skincad.base.version import __version__
 from skincad.inputs.design import Design
 from skincad.mechanics.check import check, require_force
@@ -61,6 +61,11 @@ def slack(estimate: Estimate) -> float:
     return 0.0 if estimate.error is None or not math.isfinite(estimate.error) else estimate.error
 
 
+# what the JSON of several studies' results has
+total_seconds = reported(meaning="wall time, s", key="seconds")(lambda result: {"total": result.seconds})
+ranges = reported(meaning="keys and their ranges or choices", key="vary")(
+    lambda result: {knob.key: knob.range for knob in result.knobs}
+)
 ECHOED = ("force_N", "friction")  # what a check was asked: no results that could be wanted
 Kind = Literal["check", "make", "simulate", "circuit"]
 

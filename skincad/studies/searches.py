@@ -19,13 +19,13 @@ from skincad.base.arrays import Array
 from skincad.studies.optimisers import (
     NEAR,
     SEVERAL,
-    FixedPlaces,
     Optimiser,
     OptimiserName,
-    OptunaSearch,
     Outcome,
+    fixed_places,
     levels,
     optimiser,
+    optuna_search,
     pareto_front,
 )
 from skincad.studies.subject import DesignVariable, Value
@@ -64,18 +64,19 @@ def search(
     """
     count = combinations(knobs)
     if count is not None and count <= budget:
-        return FixedPlaces(iter([_places(knobs)]))
+        sizes = tuple(levels(knob) for knob in knobs)  # each in the middle of its step
+        return fixed_places([[(np.array(i) + 0.5) / np.array(sizes) for i in np.ndindex(*sizes)]])
     if name in SEVERAL:
         return optimiser(name, knobs, losses, seed, start)
     if len(knobs) == 1 and not knobs[0].choices:
-        return LineSearch(knobs[0], losses, budget, start, known)
+        return LineSearch(knobs[0], losses, budget, start, known).batches()
     numbers = sum(not levels(knob) for knob in knobs)
     mixed = numbers < len(knobs) and losses == 1
     tpe = name is None and budget <= TPE_MOST and (numbers == 0 or mixed)
     if tpe or len(knobs) == 1:  # CMA-ES takes two keys or more
         if losses == numbers == 1:
-            return ChoicesAndNumber(knobs, budget, seed, start, known)
-        return OptunaSearch("tpe", knobs, losses, seed, start, budget, known)
+            return choices_and_number(knobs, budget, seed, start, known)
+        return optuna_search("tpe", knobs, losses, seed, start, budget, known)
     return optimiser("cma" if losses == 1 else "nsga2", knobs, losses, seed, start)
 
 
@@ -112,16 +113,20 @@ class LineSearch:
         self._first = sorted({float(x) for x in even} | {min(max(x, 0.0), 1.0) for x in near})
         self._places = list[float]()
         self._batch = max(1, min(BATCH, self.budget // BATCH))
-        self.tell(known)
+        self._take(known)
 
-    def ask(self) -> list[Array]:
-        """Return the next places; none if there is no value left that is not evaluated."""
-        missing = self._missing(self._first)
-        while not missing and self._plan():
-            missing = self._missing([x for task in self._tasks if (x := self._next(*task)) is not None])
-        return [np.array([x]) for x in missing]
+    def batches(self) -> Optimiser:
+        """Yield the next places, until there is no value left that is not evaluated."""
+        while True:
+            missing = self._missing(self._first)
+            while not missing and self._plan():
+                missing = self._missing([x for task in self._tasks if (x := self._next(*task)) is not None])
+            if not missing:
+                return
+            self._take((yield [np.array([x]) for x in missing]))
+            yield []
 
-    def tell(self, evaluations: Sequence[Outcome]) -> None:
+    def _take(self, evaluations: Sequence[Outcome]) -> None:
         """Take the losses and limits of the places."""
         places = [float(evaluation.place[0]) for evaluation in evaluations]
         self._known |= {
@@ -227,53 +232,31 @@ class LineSearch:
         return sorted((("gap", low, high) for low, high in pairs), key=order)
 
 
-@dataclass
-class ChoicesAndNumber:
-    """Choices beside one number: TPE, and at the end with the best choices a line search."""
+def choices_and_number(
+    knobs: tuple[DesignVariable, ...], budget: int, seed: int, start: Array | None, known: Sequence[Outcome]
+) -> Optimiser:
+    """Search choices beside one number by TPE, and at the end with the best choices along a line."""
+    number = next(i for i, knob in enumerate(knobs) if not levels(knob))
+    tpe = optuna_search("tpe", knobs, 1, seed, start, budget, known)
+    evaluations, left = list(known), budget - min(budget // 2, REFINED)
+    while left > 0:
+        outcomes = yield next(tpe)
+        tpe.send(outcomes)
+        left -= len(outcomes)
+        evaluations += outcomes
+        yield []
 
-    knobs: tuple[DesignVariable, ...]
-    budget: int
-    seed: int
-    start: Array | None
-    known: InitVar[Sequence[Outcome]] = ()
+    def alone(evaluation: Outcome) -> Outcome:
+        return replace(evaluation, place=evaluation.place[[number]])
 
-    def __post_init__(self, known: Sequence[Outcome]) -> None:
-        self._number = next(i for i, knob in enumerate(self.knobs) if not levels(knob))
-        self._inner: Optimiser = OptunaSearch("tpe", self.knobs, 1, self.seed, self.start, self.budget, known)
-        self._evaluations = list(known)
-        self._left = self.budget - min(self.budget // 2, REFINED)  # of TPE
-        self._fixed: Array | None = None
-
-    def ask(self) -> list[Array]:
-        """Return the next places."""
-        if self._fixed is None and self._left <= 0:
-            best = self._fixed = min(self._evaluations, key=_loss).place
-            alike = [
-                self._alone(evaluation)
-                for evaluation in self._evaluations
-                if np.array_equal(np.delete(evaluation.place, self._number), np.delete(best, self._number))
-            ]
-            knob, budget = self.knobs[self._number], self.budget // 2
-            self._inner = LineSearch(knob, 1, min(budget, REFINED), best[[self._number]], alike)
-        places = self._inner.ask()
-        if self._fixed is None:
-            return places
-        return [np.insert(np.delete(self._fixed, self._number), self._number, place) for place in places]
-
-    def _alone(self, evaluation: Outcome) -> Outcome:
-        return replace(evaluation, place=evaluation.place[[self._number]])
-
-    def tell(self, evaluations: Sequence[Outcome]) -> None:
-        """Take the losses and limits."""
-        self._left -= len(evaluations)
-        self._evaluations += evaluations
-        self._inner.tell(evaluations if self._fixed is None else [*map(self._alone, evaluations)])
-
-
-def _places(knobs: Sequence[DesignVariable]) -> list[Array]:
-    """All combinations as places on the unit cube, each in the middle of its step."""
-    sizes = tuple(levels(knob) for knob in knobs)
-    return [(np.array(index) + 0.5) / np.array(sizes) for index in np.ndindex(*sizes)]
+    best = min(evaluations, key=_loss).place
+    others = np.delete(best, number)
+    alike = [alone(e) for e in evaluations if np.array_equal(np.delete(e.place, number), others)]
+    line = LineSearch(knobs[number], 1, min(budget // 2, REFINED), best[[number]], alike).batches()
+    for places in line:
+        outcomes = yield [np.insert(others, number, place) for place in places]
+        line.send([*map(alone, outcomes)])
+        yield []
 
 
 def _loss(evaluation: Outcome) -> float:

@@ -26,9 +26,11 @@ from skincad.studies.query import (
     Query,
     first_able,
     question_of,
+    ranges,
     scaled,
     short,
     slack,
+    total_seconds,
 )
 from skincad.studies.roots import STEP, least_change, search
 from skincad.studies.subject import (
@@ -40,6 +42,7 @@ from skincad.studies.subject import (
     knobs,
     nearest_silicone,
     owner,
+    values_at,
 )
 
 
@@ -81,9 +84,7 @@ class Solution(Result):
         """The subject's name."""
         return self.subject.name
 
-    @reported(meaning="keys and their ranges or choices", key="vary")
-    def _vary(self) -> dict[str, list[Value]]:
-        return {knob.key: knob.range for knob in self.knobs}
+    _vary = ranges
 
     @reported(meaning="the model of all checks", key="tier")
     def model(self) -> str | None:
@@ -104,9 +105,7 @@ class Solution(Result):
         """How far the range was searched."""
         return "complete" if self.complete else "partial"
 
-    @reported(meaning="wall time, s", key="seconds")
-    def _seconds(self) -> dict[str, float]:
-        return {"total": self.seconds}
+    _seconds = total_seconds
 
     @reported(meaning="whether there is a solution")
     def feasible(self) -> bool:
@@ -273,7 +272,7 @@ def _change(varied: Sequence[DesignVariable], values: Mapping[str, Value]) -> fl
         if knob.choices or isinstance(value, str) or not isinstance(knob.start, int | float):
             total += value != knob.start
         else:
-            total += (knob.share(value) - knob.share(min(max(knob.start, knob.low), knob.high))) ** 2
+            total += (knob.share(value) - knob.share(knob.start)) ** 2
     return math.sqrt(total)
 
 
@@ -326,7 +325,7 @@ def _crossings(
     def only(reached: list[float] | None) -> float | None:
         return reached[0] if reached else None
 
-    start = _start(knob)
+    start = knob.share(knob.start)
     if evaluator.bounds and evaluator.off(evaluation := evaluator.ask(values(start))) == 0:
         return [_point(evaluator, evaluation)], False, []
     (wanted,) = evaluator.wished.values()
@@ -370,22 +369,16 @@ def _least_changed(
     wanted = np.array(list(evaluator.wished.values()), dtype=float)
 
     def values(place: Array) -> Values:
-        return {**fixed, **{knob.key: knob.at(x) for knob, x in zip(smooth, place.tolist(), strict=True)}}
+        return {**fixed, **values_at(smooth, place)}
 
     def function(place: Array) -> Array | None:
         missed = evaluator.missed(evaluator.ask(values(place)))
         return None if missed is None else scaled(wanted + missed, wanted)
 
     tols = np.where(wanted > 0, tol, tol * np.where(wanted == 0, 1.0, np.abs(wanted)))
-    start = np.array([_start(knob) for knob in smooth])
+    start = np.array([knob.share(knob.start) for knob in smooth])
     place, seen = least_change(function, start, scaled(wanted, wanted), tols, most)
     if place is not None:
         return [_point(evaluator, evaluator.ask(values(place)))], []
     used_up = f"the search ended after {most} evaluations: --evaluations allows more"
     return [], [used_up] if len(seen) >= most else []
-
-
-def _start(knob: DesignVariable) -> float:
-    """The share of the range at which the design's own value lies, or the nearest end; else the middle."""
-    known: Any = knob.start
-    return knob.share(min(max(known, knob.low), knob.high)) if isinstance(known, int | float) else 0.5

@@ -24,7 +24,7 @@ from skincad.base.tables import Document, Table
 from skincad.inputs.catalog import read_table, setting_key
 from skincad.mechanics.models.table import model_named
 from skincad.studies.optimisers import OPTIMISERS, OptimiserName, Outcome, check_losses, either, pareto_front
-from skincad.studies.query import Kind, resolved, slack
+from skincad.studies.query import Kind, resolved, slack, total_seconds
 from skincad.studies.subject import Subject, Value, changed, load_subject
 from skincad.studies.sweeping import SweepResult
 
@@ -333,9 +333,7 @@ class Optimisation(Result):
         """The model that has the last word."""
         return self.study.judge
 
-    @reported(meaning="wall time, s", key="seconds")
-    def _seconds(self) -> dict[str, float]:
-        return {"total": self.seconds}
+    _seconds = total_seconds
 
     @reported(meaning="whether a design keeps all constraints")
     def feasible(self) -> bool:

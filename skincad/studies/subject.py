@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -293,8 +293,15 @@ class DesignVariable:
             return float(f"{self.low * (self.high / self.low) ** share:.{DIGITS}g}")
         return float(f"{self.low + share * (self.high - self.low):.{DIGITS}g}")
 
-    def share(self, value: float) -> float:
-        """Return at which share of the range a value of it lies."""
+    def share(self, value: Value | None) -> float:
+        """Return at which share of the range a value lies, or the nearest end: of choices and whole numbers
+        the middle of its step. Without a value the middle of the range."""
+        steps = list(self.values()) if self.choices or self.whole else []
+        if value in steps:
+            return (steps.index(value) + 0.5) / len(steps)
+        if steps or not isinstance(value, int | float):
+            return 0.5
+        value = min(max(float(value), self.low), self.high)
         if self.by_ratio:
             return math.log(value / self.low) / math.log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
@@ -372,6 +379,11 @@ def knobs(subject: Subject, vary: Mapping[str, RangeText]) -> tuple[DesignVariab
     if not vary:
         raise InputError("vary", "names no key", remedy="as in ridge.height=0.4:1.3")
     return tuple(knob(subject, key, values) for key, values in vary.items())
+
+
+def values_at(knobs: Sequence[DesignVariable], place: Iterable[float]) -> dict[str, Value]:
+    """Return the values by key at a place of the unit cube."""
+    return {knob.key: knob.at(float(share)) for knob, share in zip(knobs, place, strict=True)}
 
 
 def _parts(key: str, values: RangeText) -> list[Any]:

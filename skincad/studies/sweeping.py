@@ -22,10 +22,20 @@ from skincad.base.result import Result, data_frame, item, record, reported
 from skincad.inputs.design import Design
 from skincad.mechanics.models.table import MODELS, unsupported_reason, whole_price
 from skincad.mechanics.verdict import NextModel
-from skincad.studies.query import Evaluation, Query, first_able, meant, question_of, resolved, worded
+from skincad.studies.query import (
+    Evaluation,
+    Query,
+    first_able,
+    meant,
+    question_of,
+    ranges,
+    resolved,
+    total_seconds,
+    worded,
+)
 from skincad.studies.running import Run, Values, log_in
 from skincad.studies.running import workers as working
-from skincad.studies.subject import DesignVariable, RangeText, Subject, Value, knobs
+from skincad.studies.subject import DesignVariable, RangeText, Subject, knobs, values_at
 
 Goal = Literal["min", "max"]
 # of a model's error, what two designs do not share: bench/ranks.py found 0.06 at most on seeds 0 to 24, on
@@ -193,9 +203,7 @@ class SweepResult(Result):
         """0 where a row has an answer, else 1."""
         return 0 if self.refused < len(self.rows) else 1
 
-    @reported(meaning="keys and their ranges or choices", key="vary")
-    def _vary(self) -> dict[str, list[Value]]:
-        return {knob.key: knob.range for knob in self.knobs}
+    _vary = ranges
 
     @reported(meaning="in the order of the values; a refused one says why", key="rows")
     def _rows(self) -> list[dict[str, Any]]:
@@ -230,9 +238,7 @@ class SweepResult(Result):
         """The model of all checks."""
         return self.question.model
 
-    @reported(meaning="wall time, s", key="seconds")
-    def _seconds(self) -> dict[str, float]:
-        return {"total": self.seconds}
+    _seconds = total_seconds
 
     def arrays(self) -> dict[str, Any]:
         """Return a numpy array `(rows,)` by key: values, results, and errors as `KEY.error`; NaN where a row
@@ -371,7 +377,7 @@ def points_of(subject: Subject, vary: Mapping[str, RangeText], sample: int | Non
     from scipy.stats import qmc  # half a second, which most commands need not wait for
 
     places = qmc.Sobol(len(varied), scramble=False).random_base2(size)[:sample]
-    return [{knob.key: knob.at(float(x)) for knob, x in zip(varied, place, strict=True)} for place in places]
+    return [values_at(varied, place) for place in places]
 
 
 def _next_model(

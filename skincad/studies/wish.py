@@ -39,7 +39,7 @@ from skincad.shape.skin import skin_of
 from skincad.studies.advice import two_digits
 from skincad.studies.query import first_able
 from skincad.studies.solving import MODELS
-from skincad.studies.wish_reasons import BrokenWish, Choice, broken_wishes, choices
+from skincad.studies.wish_reasons import BrokenWish, Choice, broken_wishes, choices, thick_warnings
 from skincad.studies.wish_shapes import (
     DROP,
     FLAT,
@@ -69,8 +69,6 @@ AIM = 0.95  # the same, by the search's model
 # 8013 of bench/table_wishes.py so that AIM of the parts pass
 CREST_SPREADS = 4.5
 SEARCH_CHECKS, FORCE_CHECKS = 3, 3
-LEANING = 0.75  # of the narrower side, assumption: a higher pad bends more than it shears
-STROKE_SHARE = 1 / 3  # of a gripper's opening, assumption: more is missed at the next object
 JUST_ENOUGH = 0.9  # the same, of a skin of the usual thickness, which its check judges
 ENOUGH = 1.3  # room that a flat design is to have: the closed form may be off by as much
 EDGE_SHARE = 1.25  # an outer ridge's force on a flat skin by the closed form's, about
@@ -146,20 +144,6 @@ def trade(design: Design, known: ContactCheck) -> tuple[Trade, ...]:
         thick, needed = other.skin.thickness, verdict.all_touch_force
         rows.append(Trade(thickness=thick, all_touch_force=needed, passing=parts))
     return tuple(rows)
-
-
-def thick_warnings(design: Design, face: Gripper | None) -> tuple[str, ...]:
-    """Return warnings of a pad that leans under a pull, or leaves its gripper little room to open."""
-    skin, notes = design.skin, []
-    high, narrow = skin.thickness + max(design.heights), min(skin.width, skin.length)
-    if high > LEANING * narrow:
-        notes.append(f"the pad is {high:.2g} mm high on a base of {narrow:g} mm: it leans under a pull")
-    if face and face.stroke and 2 * high > STROKE_SHARE * face.stroke:
-        takes = (
-            f"two such pads take {2 * high:.2g} mm of the {face.stroke:g} mm that {design.mold.mount} opens"
-        )
-        notes.append(takes)
-    return tuple(notes)
 
 
 def meets(verdict: ContactCheck, share: float = PASSING) -> bool:

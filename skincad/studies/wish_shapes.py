@@ -48,6 +48,8 @@ SHIMS = (0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)  # mm, precision sheet as it
 FILM_ROOM, SLOT_SHARE = 0.02, 0.05  # mm beside a film; slot by pitch, at least
 WIRE_SLIT = 0.01  # mm, a side, of shims in combs that are cut and lapped
 DIGITS = 2  # of a chosen length
+LEANING = 0.75  # of the narrower side, assumption: a higher pad bends more than it shears
+STROKE_SHARE = 1 / 3  # of a gripper's opening, assumption: more is missed at the next object
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from skincad.base.result import Result, columns_of, item, record, reported
 from skincad.inputs.design import Design
 from skincad.shape.skin import skin_of
 from skincad.studies.accuracy.ladder import Ladder
+from skincad.studies.query import total_seconds
 
 # each a module beside this one; s that it takes on a skin of RIDGES: once, and for each repeat; measured
 LADDERS = {
@@ -60,9 +61,7 @@ class Accuracy(Result):
         """Seconds as a power of the unknowns, by ladder and model."""
         return {ladder.name: ladder.laws() for ladder in self.ladders}
 
-    @reported(meaning="wall time, s", key="seconds")
-    def _seconds(self) -> dict[str, float]:
-        return {"total": self.seconds}
+    _seconds = total_seconds
 
 
 def accuracy(
