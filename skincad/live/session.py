@@ -66,7 +66,7 @@ def apply_moves(session: Session, values: Mapping[str, Setting], now: float) -> 
     if after == session.subject:
         return settled
     keys, last = session.gesture
-    goes_on = bool(session.past) and keys == gesture[0] and now - last < GESTURE
+    goes_on = bool(session.past) and len(keys) == 1 and keys == gesture[0] and now - last < GESTURE
     past = session.past if goes_on else (*session.past, session.subject)[-MAX_UNDO_STEPS:]
     return replace(settled, subject=after, past=past, future=())
 

@@ -62,10 +62,18 @@ def slack(estimate: Estimate) -> float:
 
 
 # what the JSON of several studies' results has
-total_seconds = reported(meaning="wall time, s", key="seconds")(lambda result: {"total": result.seconds})
-ranges = reported(meaning="keys and their ranges or choices", key="vary")(
-    lambda result: {knob.key: knob.range for knob in result.knobs}
-)
+@reported(meaning="wall time, s", key="seconds")
+def total_seconds(result: Any) -> dict[str, float]:
+    """The wall time, s."""
+    return {"total": result.seconds}
+
+
+@reported(meaning="keys and their ranges or choices", key="vary")
+def ranges(result: Any) -> dict[str, list[Value]]:
+    """What was varied."""
+    return {knob.key: knob.range for knob in result.knobs}
+
+
 ECHOED = ("force_N", "friction")  # what a check was asked: no results that could be wanted
 Kind = Literal["check", "make", "simulate", "circuit"]
 
