@@ -18,7 +18,7 @@ from skincad.base.arrays import Array
 from skincad.effects.kinds import Discretisation, MarchedPad, Observables, Share, Step
 from skincad.effects.small_strain import CondensedPad
 from skincad.mechanics.contact.state import Drive, GrossSlip, Swing
-from skincad.mechanics.dynamics.modes import Modes, mode_step
+from skincad.mechanics.dynamics.modes import Modes, ModeStep, mode_step
 from skincad.mechanics.dynamics.steps import (
     Matter,
     PlateMotion,
@@ -50,7 +50,7 @@ class ModalPad:
     still: MarchedPad
     modes: Modes
     mass: float = 0.0
-    prepared: dict[float, tuple[Array, Array, Array, Array]] = field(default_factory=dict)
+    prepared: dict[float, ModeStep] = field(default_factory=dict)
 
     @property
     def discretisation(self) -> Discretisation:
@@ -78,16 +78,16 @@ class ModalPad:
         return in_parts(advance, replace(state, drive=step.before), step.after, step.end - step.start)
 
     def _one(self, state: ModalState, step: Step, dt: float, share: Share) -> ModalState:
-        stays, start, end, more = remembered(self.prepared, dt, partial(mode_step, self.modes, dt))
+        modes = remembered(self.prepared, dt, partial(mode_step, self.modes, dt))
         points, drive, of_plate = self.modes.points, step.after, scheme(dt, state.matter.damped)
-        free = np.einsum("kij,kj->ki", stays, state.swings)
-        free += start * (points.T @ state.contact.force)[:, None]
+        free = np.einsum("kij,kj->ki", modes.stays, state.swings)
+        free += modes.start * (points.T @ state.contact.force)[:, None]
         pushing = plate_inertia(state, drive, of_plate)
-        swing = Swing(more, points @ free[:, 0], pushing, np.float64(dt).tobytes())
+        swing = Swing(modes.compliance, points @ free[:, 0], pushing, np.float64(dt).tobytes())
 
         def after(still: Any) -> ModalState:
             contact = still.contact
-            swings = free + end * (points.T @ contact.force)[:, None]
+            swings = free + modes.end * (points.T @ contact.force)[:, None]
             slow, fast = state.swings[:, 1], swings[:, 1]
             viscous = float(self.modes.damping @ (slow**2 + slow * fast + fast**2)) * dt / 3
             fields = {"still": still, "swings": swings, "viscous": viscous}

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
-from typing import Any
+from typing import Any, NamedTuple
 
 import ngsolve as ng
 import numpy as np
@@ -50,14 +50,23 @@ class AlongY:
     bend: Bend | None = None
 
 
-def layer_functions(order: int) -> tuple[Array, Array, Array, Array, Array]:
-    """Return what a layer of thickness 1 has at its Gauss points, exact for what `line` integrates: their
-    place and weight `(g,)`, displacement functions and their slope `(g, order + 1)`, and the pressure
-    functions `(g, order - 1)`."""
+class LayerFunctions(NamedTuple):
+    """What a layer of thickness 1 has at its Gauss points: their place `at` and `weight` `(g,)`, displacement
+    functions, their `value` and `slope` `(g, order + 1)`, and the `pressure` functions `(g, order - 1)`."""
+
+    at: Array
+    weight: Array
+    value: Array
+    slope: Array
+    pressure: Array
+
+
+def layer_functions(order: int) -> LayerFunctions:
+    """Return the functions of a layer at Gauss points that are exact for what `line` integrates."""
     gauss, weight = legendre.leggauss(order + 1)
     value, slope = _lagrange(lobatto(order)[0], (gauss + 1) / 2)
     test: Array = legendre.legvander(gauss, order - 2).astype(np.float64)
-    return (gauss + 1) / 2, weight / 2, value, slope, test
+    return LayerFunctions((gauss + 1) / 2, weight / 2, value, slope, test)
 
 
 def constant() -> AlongY:
@@ -92,7 +101,8 @@ def line(borders: Array, order: int, samples: int = 4, bend: Bend | None = None)
     mass, slope, stiff = (np.zeros((count, count)) for _ in range(3))
     mean, rise, inverse = np.zeros((total, count)), np.zeros((total, count)), np.zeros((total, total))
     fine = []
-    _, w, value, derivative, test = layer_functions(order)
+    layer = layer_functions(order)
+    w, value, derivative, test = layer.weight, layer.value, layer.slope, layer.pressure
     for i, (low, high) in enumerate(pairwise(borders.tolist())):
         size = high - low
         here = slice(i * order, i * order + order + 1)

@@ -210,27 +210,27 @@ def _extruded(
 ) -> Elements:
     """Products of the section's functions and points with those of layers between `borders`
     `(layers + 1,)`."""
-    at, by_layer, value, slope, tested = prisms.layer_functions(order)
+    layer = prisms.layer_functions(order)
     thickness, (triangles, points) = np.diff(borders), section.weight.shape
-    shape = (triangles, thickness.size, points, at.size)
+    shape = (triangles, thickness.size, points, layer.at.size)
     total = triangles * thickness.size
-    weight = np.einsum("tg,l,h->tlgh", section.weight, thickness, by_layer)
-    flat = np.einsum("tgjf,ha->tghjfa", section.basis[:, :, :2], value)
-    upright = np.einsum("tgf,ha,l->tlghfa", section.basis[:, :, 2], slope, 1 / thickness)
+    weight = np.einsum("tg,l,h->tlgh", section.weight, thickness, layer.weight)
+    flat = np.einsum("tgjf,ha->tghjfa", section.basis[:, :, :2], layer.value)
+    upright = np.einsum("tgf,ha,l->tlghfa", section.basis[:, :, 2], layer.slope, 1 / thickness)
     basis = np.empty((*shape, 3, *upright.shape[-2:]))
     basis[..., :2, :, :] = flat[:, None]
     basis[..., 2, :, :] = upright
     if bend is not None:
         stretch = bend.stretch(section.height)[:, None, :, None]
         weight = weight * stretch
-        turn = (borders[:-1, None] + thickness[:, None] * at) / bend.radius
+        turn = (borders[:-1, None] + thickness[:, None] * layer.at) / bend.radius
         cosine, sine = (f(turn)[None, :, None, :, None, None] for f in (np.cos, np.sin))
         away, around = basis[..., 1, :, :].copy(), basis[..., 2, :, :] / stretch[..., None, None]
         basis[..., 1, :, :] = cosine * away - sine * around
         basis[..., 2, :, :] = sine * away + cosine * around
-    test = np.einsum("tgp,hr->tghpr", section.test, tested)
+    test = np.einsum("tgp,hr->tghpr", section.test, layer.pressure)
     test = np.broadcast_to(test[:, None], (*shape, *test.shape[-2:]))
-    g = points * at.size
+    g = points * layer.at.size
     shear, bulk = (np.repeat(m, thickness.size)[:, None] for m in (section.shear, section.bulk))
     weight, basis = weight.reshape(total, g), basis.reshape(total, g, 3, -1)
     return Elements(weight, basis, test.reshape(total, g, -1), shear, bulk, laws)

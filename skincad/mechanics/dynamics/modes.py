@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy import linalg, sparse
@@ -161,13 +162,19 @@ def resolved(modes: Modes, compliance: Array, dt: float) -> Modes:
     return modes.first(count)
 
 
-def mode_step(modes: Modes, dt: float) -> tuple[Array, Array, Array, Array]:
-    """Return the exact step of `dt` s for forces straight in time.
+class ModeStep(NamedTuple):
+    """A step of the modes. Place and speed `(2,)` after it are `stays` `(r, 2, 2)` times those before, plus
+    `start` and `end` `(r, 2)` times the force at its start and end. `compliance` `(2 m, 2 m)` mm/N is what it
+    adds to the points' static one."""
 
-    Place and speed `(2,)` after it are the first, `(r, 2, 2)`, times those before, plus the second and third,
-    `(r, 2)`, times the force at its start and end. The last, `(2 m, 2 m)` mm/N, is what the step adds to the
-    points' static compliance.
-    """
+    stays: Array
+    start: Array
+    end: Array
+    compliance: Array
+
+
+def mode_step(modes: Modes, dt: float) -> ModeStep:
+    """Return the exact step of `dt` s for forces straight in time."""
     count = modes.frequency.size
     stays, before, after = np.zeros((count, 2, 2)), np.zeros((count, 2)), np.zeros((count, 2))
     for k, (w, d) in enumerate(zip(modes.frequency, modes.damping, strict=True)):
@@ -177,4 +184,4 @@ def mode_step(modes: Modes, dt: float) -> tuple[Array, Array, Array, Array]:
         stays[k], rise = whole[:2, :2], whole[:2, 3] / dt
         before[k], after[k] = whole[:2, 2] - rise, rise
     more = (modes.points * (after[:, 0] - modes.frequency**-2)) @ modes.points.T
-    return stays, before, after, (more + more.T) / 2
+    return ModeStep(stays, before, after, (more + more.T) / 2)

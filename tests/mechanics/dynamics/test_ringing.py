@@ -91,12 +91,12 @@ def test_a_step_is_exact_for_a_force_straight_in_time(dt: float) -> None:
     one = mech.Modes(
         np.array([w]), np.ones((2, 1)), np.zeros((0, 3, 1)), np.zeros(1), np.ones(1, dtype=np.int64)
     )
-    (stays, begun, ended, _), d = mech.mode_step(one, dt), mech.RETARDATION * w**2
+    step, d = mech.mode_step(one, dt), mech.RETARDATION * w**2
     count, rise = 40, 3.0
     state, force = np.zeros(2), 0.0
     for i in range(count):
         after = rise * dt * (i + 1)
-        state = stays[0] @ state + begun[0] * force + ended[0] * after
+        state = step.stays[0] @ state + step.start[0] * force + step.end[0] * after
         force = after
     t, z = count * dt, d / (2 * w)
     swing = w * np.sqrt(1 - z * z)
