@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
-from scipy.stats import qmc
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
@@ -205,6 +204,8 @@ def _nsga2(size: int, seed: int, start: Array | None, random: np.random.Generato
         crossover=nsgaii.SBXCrossover(eta=10),
         mutation=nsgaii.PolynomialMutation(),
     )
+    from scipy.stats import qmc  # half a second, which most commands need not wait for
+
     points: Array = np.asarray(qmc.Sobol(size, rng=seed).random(64)[:POPULATION])
     if start is not None:  # every second place lies around it
         around = np.clip(random.normal(start, MUTATED, points.shape), 0.0, 1.0)
@@ -250,6 +251,8 @@ def optimiser(
     """
     check_losses(name, losses)
     if name == "sobol":
+        from scipy.stats import qmc
+
         points = qmc.Sobol(len(knobs), rng=seed)  # they fill the cube evenly
         return fixed_places(list(points.random(SOBOL_BATCH)) for _ in itertools.count())
     return cma_es(knobs, seed, start) if name == "cma" else optuna_search(name, knobs, losses, seed, start)
