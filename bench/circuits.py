@@ -32,14 +32,15 @@ from skincad.circuit import (
     Real,
     circuit_network,
     decibels,
+    fitted,
     load_circuit,
 )
 from skincad.circuit.network import network
 from skincad.circuit.response import response
-from skincad.effects import Chain, fitted, strip_charges
+from skincad.detector import EARLY, Detector, tuned
+from skincad.effects import Chain, strip_charges
 from skincad.inputs import Design
-from skincad.scenes import EARLY, LEVELS, NOT_AHEAD, fed, load_scene, score, simulation
-from skincad.scenes.detector import at_rest, detector
+from skincad.scenes import LEVELS, NOT_AHEAD, load_scene, score, simulation
 from tests.circuit.paper import paper_target, printed_response
 
 STARTS, SEED, STEPS = 24, 2002, 300  # as the calibration's
@@ -200,11 +201,13 @@ def line(found: SceneRun, circuit: Circuit, rate: bool, bandwidth: float) -> str
         clean = differenced(clean, found.time)
         noises = [differenced(each, found.time) for each in noises]
     pair = math.sqrt(2) * float(np.std([each[1:] for each in noises]))
-    d = detector(1 / float(found.time[1]), bandwidth, pair, alarms=EARLY)
+    frequency = 1 / float(found.time[1])
+    tuning = tuned(frequency, bandwidth, pair, EARLY)
     leads, false = list[float](), list[int]()
     for noise in [np.zeros_like(clean), *noises]:
-        events, _ = fed(d, at_rest(len(RIDGES)), clean + noise)
-        scored = score(d, events, found.time, found.runs, found.gross, found.begun)
+        events = Detector.of(tuning, RIDGES, frequency).feed((clean + noise).reshape(clean.shape[0], -1))
+        runs = dict(zip(RIDGES, found.runs, strict=True))
+        scored = score(tuning.window, events, found.time, runs, found.gross, found.begun)
         leads.append(math.nan if scored.gross_lead is None else 1e3 * scored.gross_lead)
         false.append(scored.reasons.count(NOT_AHEAD))
     signal = float(np.std(clean[..., 0] - clean[..., 1]))

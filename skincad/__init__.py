@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from skincad.circuit.bode import gain as _gain
     from skincad.circuit.model import Circuit as Circuit
     from skincad.circuit.model import load_circuit as load_circuit
+    from skincad.detector.detector import Detector as Detector
     from skincad.fabrication.making import make as _make
     from skincad.inputs.catalog import load as load
     from skincad.inputs.catalog import load_design as load_design
@@ -61,6 +62,7 @@ P = ParamSpec("P")
 _HOMES = {  # name -> where it is, imported when it is first used: a check never loads the CAD kernel
     "Circuit": "circuit.model:Circuit",
     "Design": "inputs.design:Design",
+    "Detector": "detector.detector:Detector",
     "Estimate": "base.estimate:Estimate",
     "InputError": "base.errors:InputError",
     "RefusedError": "base.errors:RefusedError",

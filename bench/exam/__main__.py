@@ -31,11 +31,9 @@ from bench import runner
 from bench.exam import scoring
 from bench.exam.scenes import EXAM, SceneRun, drawn, kept, marched, seeds
 from bench.exam.scoring import HEAD, Alarm, Case, Mark, case, line, mark, rate
-from skincad.circuit import circuit_network, corner, load_circuit, total_density
-from skincad.effects import fitted
+from skincad.circuit import circuit_network, corner, fitted, load_circuit, total_density
+from skincad.detector import AHEAD, BACK, EARLY, INCIPIENT, POINTS, SEEN, SURE, Detector, Tuning, taken, tuned
 from skincad.inputs import load_design
-from skincad.scenes import AHEAD, BACK, EARLY, INCIPIENT, POINTS, SEEN, SURE, Detector, fed, statistic, taken
-from skincad.scenes.detector import at_rest, detector
 
 CIRCUITS = ("transimpedance", "yamada-2002")
 SEEDS = (1, 2, 3)  # of the noise
@@ -52,15 +50,20 @@ FALSE = 0.1  # a minute
 Find = Callable[[Case, int, int], list[Alarm]]  # of a case, its window and the noise's seed
 
 
-def ear(one: Case, alarms: str = SURE) -> Detector:
-    """Return the detector of a case's rate, band and noise."""
-    return detector(one.rate, one.scene.bandwidth, math.sqrt(2) * one.noise, alarms=alarms)
+def ear(one: Case, alarms: str = SURE) -> Tuning:
+    """Return the detector's tuning to a case's rate, band and noise."""
+    return tuned(one.rate, one.scene.bandwidth, math.sqrt(2) * one.noise, alarms)
+
+
+def new(one: Case, tuning: Tuning) -> Detector:
+    """Return the detector of a case, its ridges from 0."""
+    return Detector.of(tuning, range(one.outputs.shape[1]), one.rate)
 
 
 def found(one: Case, seed: int, alarms: str, kind: str) -> list[Alarm]:
     """Return the detector's alarms of a kind."""
     outputs = one.outputs + one.noises(seed)
-    events = fed(ear(one, alarms), at_rest(outputs.shape[1]), outputs)[0]
+    events = new(one, ear(one, alarms)).feed(outputs.reshape(outputs.shape[0], -1))
     return [(e.ridge, e.index) for e in events if e.kind == kind]
 
 
@@ -90,7 +93,7 @@ def held(circuit: str) -> tuple[int, float]:
     size = np.interp(at, grid, np.sqrt(total_density(network, grid)) * passed)
     size[0] = 0.0
     rms = math.sqrt(float(np.sum(size**2)))
-    window, draw = detector(RATE, BAND, rms).window, np.random.default_rng(8)
+    window, draw = tuned(RATE, BAND, rms).window, np.random.default_rng(8)
     share, times, most = 1 / (1 + window), 0, 0.0
     for _ in range(math.ceil(2 * MINUTES * 60 * RATE / BLOCK)):
         parts = draw.standard_normal((2, size.size)) * size * (BLOCK / 2)
@@ -141,7 +144,7 @@ def traded(every: list[Case]) -> None:
     table: dict[float, list[Mark]] = {level: [] for level in LEVELS}
     for one in every:
         d, outputs = ear(one), one.outputs + one.noises(SEEDS[0])
-        odds = statistic(d, at_rest(outputs.shape[1]), outputs)[0][:, -1:]
+        odds = new(one, d).odds(outputs.reshape(outputs.shape[0], -1))[:, -1:]
         for level, each in table.items():
             now = taken(np.zeros(1, bool), odds, level, BACK)[:, 0]
             rises = np.flatnonzero(now & ~np.concatenate([[False], now[:-1]]))

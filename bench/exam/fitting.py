@@ -7,7 +7,7 @@ whether it slips, the low-pass's delay later; while slip lasts on to gross slip,
 as slipping too, at a lower weight. The skin's label is whether a slip is on that lasts to gross slip. A short
 gross slip counts as much as one of EVENT windows. Scenes that ship are in the set, and records of ridges that
 all stick: two loads that run and stop, jump and turn, as abruptly as no scene. It writes both networks'
-files, and prints what threefold cross-validation by scene makes of thresholds: POINTS of scenes/detector.py.
+files, and prints what threefold cross-validation by scene makes of thresholds: POINTS of detector.py.
 
 `--missing` tells which information the films lack: it fits the network that warns of gross slip to two thirds
 of the set in turn, and prints what its warnings are worth on the rest: without more, with friction as a
@@ -29,7 +29,7 @@ from bench.exam.network import Samples, fitted
 from bench.exam.scenes import DESIGN, SceneRun, kept, seeds, shipped
 from bench.exam.scoring import HEAD, Alarm, Case, case, lasting, line, mark, near
 from skincad.circuit import band_limited, delay
-from skincad.scenes import BACK, SEEN, detector, slip_features
+from skincad.detector import BACK, RIDGES, SEEN, SKIN, Weights, detector, features, taken, tuned
 
 CIRCUIT = "transimpedance"
 OTHERS = {"yamada-2002": False, "charge-amplifier": True, "voltage-follower": True}  # differenced or not
@@ -69,9 +69,9 @@ class Heard:
 def heard(one: Case, louder: float, seed: int) -> Heard:
     """Return a case as the detector hears it with `louder` times its noise."""
     noise = math.sqrt(2) * one.noise * louder
-    d = detector.detector(one.rate, one.scene.bandwidth, noise)
+    d = tuned(one.rate, one.scene.bandwidth, noise)
     outputs = one.outputs + louder * one.noises(seed)
-    felt, loud, _ = slip_features.features(d.window, noise, outputs, slip_features.at_rest(outputs.shape[1]))
+    felt, loud, _ = features.features(d.window, noise, outputs, features.at_rest(outputs.shape[1]))
     kind, edge = classes(one, d.window)
     weight = WEIGHT[kind] * np.where(edge, EDGE, 1.0) / math.sqrt(kind.shape[1])
     weight *= OWN if one.scene.seed < 0 else 1.0
@@ -169,23 +169,23 @@ def of_skins(told: list[Heard], *, records: bool = True) -> list[Samples]:
 
 def _sticking() -> Iterator[np.ndarray]:
     for outputs, noise in sticking():
-        window = detector.detector(LOAD_RATE, LOAD_BAND, noise).window
-        felt = slip_features.features(window, noise, outputs, slip_features.at_rest(outputs.shape[1]))[0]
+        window = tuned(LOAD_RATE, LOAD_BAND, noise).window
+        felt = features.features(window, noise, outputs, features.at_rest(outputs.shape[1]))[0]
         yield felt[::THIN].astype(np.float32)
 
 
-def odds(w: detector.Weights, felt: np.ndarray) -> np.ndarray:
+def odds(w: Weights, felt: np.ndarray) -> np.ndarray:
     """Return the logarithm of the odds `(n, ridges)` of features."""
     return np.asarray(np.tanh(felt @ w.into + w.bias) @ w.out + w.base)
 
 
-def written(w: detector.Weights, what: str) -> str:
+def written(w: Weights, what: str) -> str:
     """Return the weights as TOML, four digits of each."""
     rows = ",\n".join("    [" + ", ".join(f"{v:.4g}" for v in column) + "]" for column in w.into.T)
     bias, out = (", ".join(f"{v:.4g}" for v in row) for row in (w.bias, w.out))
     return (
         f"# The slip detector's network for {what}, by bench/exam/fitting.py; into: a row a hidden unit,\n"
-        "# its columns the features of skincad/scenes/slip_features.py in their order\n"
+        "# its columns the features of skincad/detector/features.py in their order\n"
         f"base = {w.base:.4g}\nbias = [{bias}]\nout = [{out}]\ninto = [\n{rows},\n]\n"
     )
 
@@ -200,7 +200,7 @@ def validated(told: list[list[Heard]]) -> None:
         ridges, skin = fitted(of_ridges(heard_of), fold), fitted(of_skins(heard_of), fold)
         for t in (t for i, t in enumerate(told) if i % FOLDS == fold and t[0].case.scene.seed >= 0):
             for way in (0, 1):
-                loud = t[way].loud > detector.SEEN
+                loud = t[way].loud > SEEN
                 each = np.where(loud, odds(ridges, t[way].felt), -np.inf)
                 whole = np.where(loud.any(axis=1), odds(skin, t[way].felt).mean(axis=1), -np.inf)
                 unseen[way].append((t[way], each, whole))
@@ -219,7 +219,7 @@ def validated(told: list[list[Heard]]) -> None:
 
 def alarms(values: np.ndarray, threshold: float, back: float, *, skin: bool) -> list[Alarm]:
     """Return each ridge, or None of the `skin`, and sample at which odds rise above a threshold."""
-    now = detector.taken(np.zeros(values.shape[1], bool), values, threshold, back)
+    now = taken(np.zeros(values.shape[1], bool), values, threshold, back)
     before = np.concatenate([np.zeros_like(now[:1]), now[:-1]])
     return [(None if skin else int(r), int(i)) for i, r in np.argwhere(now & ~before)]
 
@@ -287,8 +287,8 @@ def main(folder: Path) -> None:
     rows = [list(variants(m, folder / "outputs")) for m in answer]
     print(len(rows), "scenes", flush=True)
     every, place = [h for t in rows for h in t], Path(detector.__file__).parent
-    (place / detector.RIDGES).write_text(written(fitted(of_ridges(every)), "a ridge that slips"))
-    (place / detector.SKIN).write_text(written(fitted(of_skins(every)), "gross slip ahead"))
+    (place / RIDGES).write_text(written(fitted(of_ridges(every)), "a ridge that slips"))
+    (place / SKIN).write_text(written(fitted(of_skins(every)), "gross slip ahead"))
     validated(rows)
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skincad.scenes import detector
+from skincad.detector import Weights
 
 Samples = tuple[np.ndarray, np.ndarray, np.ndarray]
 Layers = list[np.ndarray]  # into `(features, hidden)`, bias `(hidden,)`, out `(hidden,)`, base `(1,)`
@@ -50,13 +50,13 @@ def stacked(parts: list[Samples]) -> Stack:
     return Stack(rows, first, count, label, weight / weight.mean())
 
 
-def fitted(parts: list[Samples], seed: int = 0) -> detector.Weights:
+def fitted(parts: list[Samples], seed: int = 0) -> Weights:
     samples = stacked(parts)
     middle, spread = samples.rows.mean(axis=0), samples.rows.std(axis=0) + 1e-3
     samples = replace(samples, rows=((samples.rows - middle) / spread).astype(np.float32))
     into, bias, out, base = (p.astype(float) for p in layers(samples, seed))
     into = into / spread[:, None]
-    return detector.Weights(into, bias - middle @ into, out, float(base[0]))
+    return Weights(into, bias - middle @ into, out, float(base[0]))
 
 
 def layers(samples: Stack, seed: int) -> Layers:

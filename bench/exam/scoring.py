@@ -29,8 +29,8 @@ from scipy.stats import chi2
 from bench import runner
 from bench.exam.scenes import SceneRun
 from bench.runner import wilson
-from skincad.circuit import circuit_network, corner, load_circuit, total_density
-from skincad.effects import Chain, fitted, strip_charges
+from skincad.circuit import circuit_network, corner, fitted, load_circuit, total_density
+from skincad.effects import Chain, strip_charges
 from skincad.scenes import intervals
 
 

@@ -9,8 +9,18 @@ from pydantic import Field, field_validator, model_validator
 
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.tables import Document, Table, quantity
-from skincad.circuit.network import PICO, TOPOLOGIES, Constants, Network, Noise, capacitance, network
+from skincad.circuit.network import (
+    PICO,
+    TOPOLOGIES,
+    Constants,
+    Network,
+    Noise,
+    capacitance,
+    electrode,
+    network,
+)
 from skincad.inputs.catalog import overridden, read_table
+from skincad.inputs.design import Design
 
 SHORT = 1e-12  # ohm; less is no resistor, and what it conducts is more than a number holds
 
@@ -175,6 +185,18 @@ def constants(circuit: Circuit) -> Constants:
         **{f"motional_{key}": value for key, value in motional},
         **{key: value for key, value in circuit.amplifier if key != "topology"},
     )
+
+
+def fitted(circuit: Circuit, design: Design) -> Circuit:
+    """Return the circuit with the skin's own strip as its capacitor; permittivity, loss and draw axis stay.
+
+    So does the circuit's own d33, which its gain by load is told with: a scene's charge comes from the
+    design's film. Raises InputError for a skin without film.
+    """
+    area = electrode(design)
+    assert design.film is not None  # it has an electrode
+    film = circuit.film.model_copy(update={"area": area, "thickness": design.film.thickness})
+    return circuit.model_copy(update={"film": film})
 
 
 def circuit_network(circuit: Circuit, c: Constants | None = None) -> Network:

@@ -142,12 +142,13 @@ def electrode(design: Design) -> float:
     is left out. As coplanar strips (C = eps K(k') / K(k), k = gap / (gap + 2 width); Gupta, Garg, Bahl,
     Bhartia, Microstrip Lines and Slotlines, 2nd ed. 1996, chapter 7) it lies between that in air and that on
     a half space of film: 0.02 to 0.12 pF a millimetre of lead in `yamada-2002`, about that of a cable.
+    Raises InputError for a skin without films.
     """
     from skincad.shape.skin import skin_of  # geometry, which a circuit alone need not load
 
     slot = skin_of(design).slot
-    assert design.film is not None
-    assert slot is not None
+    if design.film is None or slot is None:
+        raise InputError("", "needs a skin with a [film]", design.name, "take a skin with slots and film")
     margin = design.film.margin
     return (design.skin.length - 2 * margin) * (slot.depth - 2 * margin)
 

@@ -24,7 +24,7 @@ from scipy.signal import firwin, kaiserord, lfilter, resample_poly
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.circuit.network import Complex, Network, Real
-from skincad.circuit.response import BY_LOAD, polynomial
+from skincad.circuit.response import BY_LOAD, polynomial, total_density
 
 DIGITS = 120
 MOST_SQUARINGS = 200  # 2^200 is 1e60: half of the digits
@@ -171,6 +171,14 @@ def corner(bandwidth: float) -> float:
 def delay(bandwidth: float) -> float:
     """Return by how many s the low-pass delays a slow signal: 2 / pole."""
     return 2 / corner(bandwidth)
+
+
+def rms_behind(network: Network, bandwidth: float, low: float, high: float) -> float:
+    """Return the noise at the output behind the low-pass of `bandwidth` Hz, V rms, between two
+    frequencies in Hz."""
+    frequency = np.geomspace(low, high, 4000)
+    passed = (1 + (2 * np.pi * frequency / corner(bandwidth)) ** 2) ** -2
+    return math.sqrt(float(np.trapezoid(total_density(network, frequency) * passed, frequency)))
 
 
 def longest_step(time: Array) -> float:

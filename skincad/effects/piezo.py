@@ -22,9 +22,9 @@ from pydantic import BeforeValidator, Field
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.tables import quantity
-from skincad.circuit.model import Circuit, circuit_network, constants, load_circuit
+from skincad.circuit.model import Circuit, circuit_network, constants, fitted, load_circuit
 from skincad.circuit.network import Network, capacitance, charge, electrode
-from skincad.circuit.response import noise_samples, total_density
+from skincad.circuit.response import noise_samples
 from skincad.circuit.state import (
     PASS,
     Stepper,
@@ -33,6 +33,7 @@ from skincad.circuit.state import (
     delay,
     evenly_spaced,
     longest_step,
+    rms_behind,
     run,
     stepper,
 )
@@ -40,7 +41,6 @@ from skincad.effects.kinds import Observables, Reader, ReaderContext
 from skincad.inputs.catalog import named_document
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film as Strip
-from skincad.shape.skin import skin_of
 
 FINE = 0.1  # of the low-pass's time: a step of the network; straight lines between leave 0.01 / 12
 MOST_STEPS = 200  # of the network in one of the march
@@ -84,11 +84,11 @@ class Piezo(Reader):
 
     def check(self, design: Design) -> None:
         """Raise InputError for a skin without films or with dead ones, or an unusable circuit."""
-        if design.film is None or skin_of(design).slot is None:
-            raise InputError("", "needs a skin with a [film]", design.name, "take a skin with slots and film")
+        circuit = fitted(self.loaded, design)
+        assert design.film is not None  # it has an electrode
         if not any((design.film.d31, design.film.d32, design.film.d33)):
             raise InputError("", "the skin's film.d31, d32 and d33 must not all be 0 pC/N")
-        constants(fitted(self.loaded, design))
+        constants(circuit)
 
     def read(self, watched: ReaderContext, time: Array, readings: Sequence[Observables]) -> Mapping[str, Any]:
         """Return `output_V` by monitored ridge and S1, S2, pair (their difference), and facts about it; the
@@ -137,16 +137,6 @@ class Piezo(Reader):
         seeds = MOST_NOISE // (chain.size * noise_seen[0].size)
         for more in range(1, max(FEWEST_NOISES, min(NOISES, seeds))):
             yield noise(self.noise_seed + more) - noise_seen
-
-
-def fitted(circuit: Circuit, design: Design) -> Circuit:
-    """Return the circuit with the skin's own strip as its capacitor; permittivity, loss and draw axis stay.
-
-    So does the circuit's own d33, which its gain by load is told with: charge comes from `strip_charges`.
-    """
-    sizes = {"area": electrode(design), "thickness": _strip(design).thickness}
-    film = circuit.film.model_copy(update=sizes)
-    return circuit.model_copy(update={"film": film})
 
 
 def strip_charges(circuit: Circuit, design: Design, stress: Array) -> Array:
@@ -229,9 +219,7 @@ class Chain:
     def noise_rms(self) -> float:
         """Return the noise behind the low-pass, V rms, from one period of the record up to half the rate."""
         low = self.step.rate / max(2, self.size)
-        frequency = np.geomspace(low, self.step.rate / 2, 4000)
-        passed = (1 + (2 * np.pi * frequency / corner(self.bandwidth)) ** 2) ** -2
-        return math.sqrt(float(np.trapezoid(total_density(self.network, frequency) * passed, frequency)))
+        return rms_behind(self.network, self.bandwidth, low, self.step.rate / 2)
 
 
 def _decibels(signal: float, noise: float) -> float | None:

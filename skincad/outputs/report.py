@@ -279,8 +279,7 @@ def scene_part(simulation: Simulation, source: str) -> ScenePart:
 def amplifier_part(simulation: Simulation, piezo: Piezo) -> tuple[str, dict[str, str]]:
     """The gain of the scene's amplifier with this skin's strip, and its closed forms; no rig is in use."""
     from skincad.circuit.bode import gain, without_rig
-    from skincad.circuit.model import load_circuit
-    from skincad.effects.piezo import fitted
+    from skincad.circuit.model import fitted, load_circuit
     from skincad.outputs.simulations import GAIN
 
     circuit = without_rig(fitted(piezo.loaded, simulation.scene.design))

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, ValidationError, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, model_validator
 
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import InputError
@@ -187,7 +187,7 @@ class ScenePlate(Table):
 class Readout(Table):
     """What is reported."""
 
-    ridges: Annotated[list[int], BeforeValidator(_listed)] = Field(
+    ridges: Annotated[list[int], BeforeValidator(_listed), AfterValidator(sorted)] = Field(
         default=[], description="ridges whose films' stresses are reported", max_length=999
     )
     bandwidth_Hz: float = quantity(  # noqa: N815

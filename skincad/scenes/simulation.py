@@ -21,7 +21,7 @@ from skincad.effects.kinds import LeftOutEffect, Reader, ReaderContext
 from skincad.mechanics.contact.state import FrictionCoefficients
 from skincad.mechanics.dynamics.ringing import skin_mass
 from skincad.mechanics.validity import material_warnings
-from skincad.scenes.detector import report
+from skincad.scenes.alarms import report
 from skincad.scenes.errors import (
     BySource,
     SlipErrors,

@@ -26,8 +26,8 @@ from bench.exam.scenes import (
     seeds,
 )
 from bench.exam.scoring import Alarm, Case, lasting, mark, near, rate
+from skincad.detector import RIDGES, SKIN, detector
 from skincad.inputs import load_design
-from skincad.scenes import detector
 
 STEP = 1e-3  # s
 
@@ -203,7 +203,7 @@ def test_what_a_network_is_told_stands_beside_what_it_hears(what: str, last: flo
     assert fitting.told(h, "nothing") is h
 
 
-@pytest.mark.parametrize("file", [detector.RIDGES, detector.SKIN])
+@pytest.mark.parametrize("file", [RIDGES, SKIN])
 def test_the_shipped_weights_are_of_the_fits_size(file: str) -> None:
     table = tomllib.loads((Path(detector.__file__).parent / file).read_text())
     assert len(table["into"]) == len(table["out"]) == len(table["bias"]) == network.HIDDEN

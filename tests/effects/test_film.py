@@ -16,8 +16,8 @@ import shapely
 
 import skincad
 from skincad.base import InputError
-from skincad.circuit import capacitance, constants, corner, electrode, load_circuit
-from skincad.effects import Observables, Piezo, ReaderContext, fitted, strip_charges
+from skincad.circuit import capacitance, constants, corner, electrode, fitted, load_circuit
+from skincad.effects import Observables, Piezo, ReaderContext, strip_charges
 from skincad.fabrication import Job, strip_patterns
 from skincad.inputs import template_names, template_text
 from skincad.outputs import write_table

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from dataclasses import replace
@@ -16,30 +17,25 @@ import pytest
 
 from skincad.base import InputError
 from skincad.circuit import band_limited, delay
+from skincad.detector import AHEAD, EARLY, INCIPIENT, POINTS, SURE, Alarm, Detector, Tuning, features, tuned
 from skincad.outputs import write_table
 from skincad.scenes import (
-    AHEAD,
-    EARLY,
-    INCIPIENT,
     LEVELS,
     NOT_AHEAD,
-    POINTS,
-    SURE,
-    Detector,
+    NOTHING,
+    PASSING,
+    Score,
     at_level,
-    fed,
     intervals,
     load_scene,
+    report,
     score,
-    slip_features,
-    statistic,
 )
-from skincad.scenes.detector import NOTHING, PASSING, Event, at_rest, detector, report
 from tests.small_scene import small_scene
 
 RATE, WIDTH, NOISE = 1e5, 5000.0, 1e-3  # rate and band of the paper's scene
 TIME = np.arange(600) / RATE
-D = detector(RATE, WIDTH, NOISE, alarms=EARLY)
+D = tuned(RATE, WIDTH, NOISE, EARLY)
 KEEN = replace(D, threshold=1.0, warning=1.0)  # which has alarms of either kind in the paper's scene
 
 
@@ -104,8 +100,17 @@ def small() -> tuple[np.ndarray, Runs]:
 RUNS = [[[186, 200], [477, 550]], [[488, 550]]]
 
 
-def events(outputs: np.ndarray) -> list[Event]:
-    return fed(D, at_rest(outputs.shape[1]), outputs)[0]
+def detector(tuning: Tuning = D, ridges: int = 2) -> Detector:
+    return Detector.of(tuning, range(ridges), RATE)
+
+
+def events(outputs: np.ndarray, tuning: Tuning = D) -> list[Alarm]:
+    return detector(tuning, outputs.shape[1]).feed(flat(outputs))
+
+
+def flat(outputs: np.ndarray) -> np.ndarray:
+    """Outputs `(n, ridges, 2)` as a detector's channels."""
+    return outputs.reshape(outputs.shape[0], -1)
 
 
 @pytest.mark.slow
@@ -120,7 +125,7 @@ def test_the_slip_that_lasts_is_warned_of_once() -> None:
 def test_it_hears_the_same_on_the_other_side() -> None:
     """Mirrored, S1 and S2 change places, and so do the ridges."""
     outputs, _ = small()
-    here, there = (fed(KEEN, at_rest(2), x)[0] for x in (outputs, outputs[:, ::-1, ::-1]))
+    here, there = (events(x, KEEN) for x in (outputs, outputs[:, ::-1, ::-1]))
     assert len(here) >= 4
     turned = [(e.kind, None if e.ridge is None else 1 - e.ridge, e.index) for e in there]
     # of two alarms at one sample the first ridge's comes first
@@ -132,22 +137,25 @@ def test_in_pieces_as_at_once(cuts: list[int]) -> None:
     """Sample by sample from before the alarms on, and by other pieces, an empty one too: the same bits."""
     noise = np.random.default_rng(1).normal(0.0, NOISE / math.sqrt(2), (551, 2, 2))
     noisy = small()[0] + noise
-    whole, end = fed(KEEN, at_rest(2), noisy)
-    state, alarms, seen = at_rest(2), [], []
+    noisy = flat(noisy)
+    at_once, by_pieces = detector(KEEN), detector(KEEN)
+    odds = at_once.odds(noisy)
+    whole = at_once.feed(noisy)
+    alarms, seen = [], []
     for a, b in pairwise(cuts):
-        seen.append(statistic(KEEN, state, noisy[a:b])[0])
-        before = state.means.copy(), state.told.copy()
-        some, following = fed(KEEN, state, noisy[a:b])
-        # its state is all that it keeps, and is not changed
-        np.testing.assert_array_equal(before[0], state.means)
-        np.testing.assert_array_equal(before[1], state.told)
-        alarms, state = alarms + some, following
+        before = by_pieces.state
+        seen.append(by_pieces.odds(noisy[a:b]))
+        assert by_pieces.state == before  # asking feeds nothing
+        another = detector(KEEN)  # its state is all that it keeps
+        another.restore(json.loads(json.dumps(before)))
+        alarms += by_pieces.feed(noisy[a:b])
+        another.feed(noisy[a:b])
+        assert another.state == by_pieces.state
     assert alarms == whole
     assert len(whole) >= 2
-    np.testing.assert_array_equal(np.concatenate(seen), statistic(KEEN, at_rest(2), noisy)[0])
-    np.testing.assert_array_equal(state.means, end.means)
-    np.testing.assert_array_equal(state.told, end.told)
-    assert state.count == end.count == 551
+    np.testing.assert_array_equal(np.concatenate(seen), odds)
+    assert by_pieces.state == at_once.state
+    assert at_once.state["count"] == 551
 
 
 @pytest.mark.parametrize("now", [0, 185, 193, 300, 489])
@@ -155,7 +163,7 @@ def test_what_comes_later_changes_nothing_before(now: int) -> None:
     outputs, _ = small()
     other = outputs.copy()
     other[now + 1 :] = np.random.default_rng(2).normal(0.0, 10.0, other[now + 1 :].shape)
-    early, changed = ([e for e in fed(KEEN, at_rest(2), x)[0] if e.index <= now] for x in (outputs, other))
+    early, changed = ([e for e in events(x, KEEN) if e.index <= now] for x in (outputs, other))
     assert early == changed
     assert np.abs(other - outputs).max() > 1.0
 
@@ -185,42 +193,48 @@ def test_noise_alone_does_not_alarm() -> None:
     """White noise, 20 000 decisions: none beyond the threshold, so no event; a window's mean reaches 2.9 rms
     and SEEN is 5."""
     noise = np.random.default_rng(3).normal(0.0, NOISE / math.sqrt(2), (10_000, 2, 2))
-    assert statistic(D, at_rest(2), noise)[0].max() < min(D.threshold, D.warning)
+    assert detector().odds(flat(noise)).max() < min(D.threshold, D.warning)
 
 
 def test_the_window_grows_with_the_low_passs_delay() -> None:
     assert D.window == math.ceil(3.5 * delay(WIDTH) * RATE)
-    assert detector(RATE, WIDTH / 10, NOISE).window == pytest.approx(10 * D.window, abs=10)
-    assert detector(10.0, WIDTH, NOISE).window == 3
+    assert tuned(RATE, WIDTH / 10, NOISE).window == pytest.approx(10 * D.window, abs=10)
+    assert tuned(10.0, WIDTH, NOISE).window == 3
+
+
+def scored(
+    window: int, alarms: list[Alarm], runs: Runs, gross: int | None, begun: int | None = None
+) -> Score:
+    """What alarms of ridges from 0 are worth."""
+    return score(window, alarms, TIME, dict(enumerate(runs)), gross, begun)
 
 
 def test_a_score_by_hand() -> None:
-    d = Detector(10, NOISE)
     runs = [[[100, 120], [300, 400]], [[200, 203], [350, 400]]]
-    alarms = [Event(INCIPIENT, 0, 95), Event(INCIPIENT, 0, 310), Event(INCIPIENT, 0, 330)]
-    alarms += [Event(INCIPIENT, 1, 50), Event(AHEAD, None, 20), Event(AHEAD, None, 290)]
-    result = score(d, alarms, TIME, runs, 400, 300)
+    alarms = [Alarm(INCIPIENT, 0, 95), Alarm(INCIPIENT, 0, 310), Alarm(INCIPIENT, 0, 330)]
+    alarms += [Alarm(INCIPIENT, 1, 50), Alarm(AHEAD, None, 20), Alarm(AHEAD, None, 290)]
+    result = scored(10, alarms, runs, 400, 300)
     # ridge 0's both runs; ridge 1's short one is not asked for, its other is missed; that gross slip is ahead
     # is false at step 20, as no slip goes on from there until it, and true within a window of 300
     assert (result.hits, result.missed, result.false) == (2, 1, 1)
     assert result.reasons == (PASSING, "", "", NOTHING, NOT_AHEAD, "")
     assert result.lead == (pytest.approx(90e-5), None)
     assert result.gross_lead == pytest.approx(110e-5)
-    without = score(d, alarms, TIME, runs, None)
+    without = scored(10, alarms, runs, None)
     assert (without.false, without.lead, without.gross_lead) == (1, (None, None), None)
     assert without.reasons.count(NOT_AHEAD) == 2
-    other = score(d, [Event(INCIPIENT, 1, 110), Event(INCIPIENT, 1, 140)], TIME, runs, None)
+    other = scored(10, [Alarm(INCIPIENT, 1, 110), Alarm(INCIPIENT, 1, 140)], runs, None)
     assert (other.false, other.misnamed) == (1, 1)  # ridge 0 slips at the first of them, none at the second
 
 
 def test_an_alarm_of_a_pull_that_eased_off_is_no_warning_of_the_next() -> None:
     """Both ridges slip in either pull, and gross slip is said to be ahead in both, 1.8 ms before it."""
-    d, runs = Detector(10, NOISE), [[[50, 90], [400, 599]], [[60, 90], [410, 599]]]
-    alarms = [Event(INCIPIENT, 0, 52), Event(INCIPIENT, 1, 62), Event(AHEAD, None, 62)]
-    alone = score(d, alarms, TIME, runs, 599, 400)
+    runs = [[[50, 90], [400, 599]], [[60, 90], [410, 599]]]
+    alarms = [Alarm(INCIPIENT, 0, 52), Alarm(INCIPIENT, 1, 62), Alarm(AHEAD, None, 62)]
+    alone = scored(10, alarms, runs, 599, 400)
     assert (alone.hits, alone.false, alone.lead, alone.gross_lead) == (2, 0, (None, None), None)
     assert alone.reasons == (PASSING, PASSING, NOT_AHEAD)
-    again = score(d, [*alarms, Event(INCIPIENT, 0, 405), Event(AHEAD, None, 419)], TIME, runs, 599, 400)
+    again = scored(10, [*alarms, Alarm(INCIPIENT, 0, 405), Alarm(AHEAD, None, 419)], runs, 599, 400)
     assert again.reasons == (*alone.reasons, "", "")
     assert again.lead == (pytest.approx(194 / RATE), None)
     assert again.gross_lead == pytest.approx(1.8e-3)
@@ -230,7 +244,7 @@ def test_an_alarm_of_a_pull_that_eased_off_is_no_warning_of_the_next() -> None:
 def test_an_alarm_is_true_where_what_it_names_slips_on_until_gross_slip(seed: int) -> None:
     """By slips drawn at random, sample by sample: no alarm that is far from a lasting slip gives a lead."""
     draw = np.random.default_rng((37, seed))
-    d, ridges, count = Detector(int(draw.integers(3, 12)), NOISE), int(draw.integers(1, 5)), 300
+    window, ridges, count = int(draw.integers(3, 12)), int(draw.integers(1, 5)), 300
     slipping = np.zeros((count, ridges), bool)
     for ridge in range(ridges):
         for _ in range(int(draw.integers(0, 4))):
@@ -245,12 +259,12 @@ def test_an_alarm_is_true_where_what_it_names_slips_on_until_gross_slip(seed: in
     alarms = []
     for _ in range(int(draw.integers(1, 15))):
         ridge = None if draw.random() < 0.3 else int(draw.integers(ridges))
-        alarms.append(Event(INCIPIENT if ridge is not None else AHEAD, ridge, int(draw.integers(count))))
+        alarms.append(Alarm(INCIPIENT if ridge is not None else AHEAD, ridge, int(draw.integers(count))))
     alarms.sort(key=lambda event: event.index)
     begun = int(lasts.min()) if lasts.min() < count else None
-    result = score(d, alarms, TIME, runs, gross, begun)
+    result = scored(window, alarms, runs, gross, begun)
     since = [int(lasts.min() if event.ridge is None else lasts[event.ridge]) for event in alarms]
-    true = [e.index >= at - d.window and at < count for e, at in zip(alarms, since, strict=True)]
+    true = [e.index >= at - window and at < count for e, at in zip(alarms, since, strict=True)]
     assert [not reason for reason in result.reasons] == true
     for ridge, lead in [*enumerate(result.lead), (None, result.gross_lead)]:
         first = [e.index for e, right in zip(alarms, true, strict=True) if e.ridge == ridge and right]
@@ -259,7 +273,7 @@ def test_an_alarm_is_true_where_what_it_names_slips_on_until_gross_slip(seed: in
             assert lead == pytest.approx((gross - first[0]) / RATE, abs=1e-12)
         elif first:  # a slip shorter than a window is not asked for
             assert ridge is not None
-            assert count - lasts[ridge] < d.window
+            assert count - lasts[ridge] < window
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -322,7 +336,7 @@ def test_the_papers_scene_is_reported_by_ridge() -> None:
     without_slip = report(TIME[:551], outputs, NOISE / math.sqrt(2), WIDTH, runs[:1] * 3, None, EARLY)
     assert without_slip["warning_score"] == {"true": 0, "false": 1}
     assert [e["reason"] for e in without_slip["events"]] == [NOT_AHEAD]
-    ours = score(KEEN, fed(KEEN, at_rest(2), papers())[0], TIME, RUNS, 550, 477)
+    ours = scored(KEEN.window, events(papers(), KEEN), RUNS, 550, 477)
     assert ours.hits >= 2
     assert ours.false == 0
     sure = report(TIME[:551], outputs, NOISE / math.sqrt(2), WIDTH, runs, 550, SURE)
@@ -340,7 +354,7 @@ def test_nothing_is_reported_of_one_sample_without_films() -> None:
 )
 def test_bad_constants_are_told(noise: float, threshold: float) -> None:
     with pytest.raises(InputError, match=r"must be (above 0|finite)"):
-        detector(RATE, WIDTH, noise, threshold)
+        Tuning(10, noise, threshold)
 
 
 def test_early_alarms_are_more_than_sure_ones() -> None:
@@ -390,13 +404,13 @@ DRAWN = np.random.default_rng(1).normal(size=(300, 3, 2)).cumsum(axis=0) / 30
 
 
 def feature_values(outputs: np.ndarray, noise: float = NOISE) -> np.ndarray:
-    return slip_features.features(WINDOW, noise, outputs, slip_features.at_rest(outputs.shape[1]))[0]
+    return features.features(WINDOW, noise, outputs, features.at_rest(outputs.shape[1]))[0]
 
 
 def test_a_mean_by_hand() -> None:
-    values = slip_features.means(WINDOW, DRAWN, slip_features.at_rest(3))[0]
+    values = features.means(WINDOW, DRAWN, features.at_rest(3))[0]
     pair = DRAWN[:, :, 0] - DRAWN[:, :, 1]
-    for k, span in enumerate(slip_features.SPANS, 1):
+    for k, span in enumerate(features.SPANS, 1):
         mean, share = np.zeros(3), 1 / (1 + span * WINDOW)
         for value in pair:
             mean = mean + share * (value - mean)
@@ -426,24 +440,24 @@ def test_features_stay_finite_and_bounded_at_rest_and_when_loud() -> None:
 
 def test_others_are_the_mean_of_the_others() -> None:
     values = np.array([[1.0, 2.0, 6.0]])
-    np.testing.assert_array_equal(slip_features.of_others(values), [[4.0, 3.5, 1.5]])
-    np.testing.assert_array_equal(slip_features.of_others(values[:, :1]), [[0.0]])
+    np.testing.assert_array_equal(features.of_others(values), [[4.0, 3.5, 1.5]])
+    np.testing.assert_array_equal(features.of_others(values[:, :1]), [[0.0]])
 
 
 def test_beside_is_the_next_told_ridge_where_it_is_pulled_to() -> None:
     values, right = np.array([[1.0, 2.0, 6.0]]), np.ones((1, 3))
-    np.testing.assert_array_equal(slip_features.beside(values, right, True), [[2.0, 6.0, 0.0]])
-    np.testing.assert_array_equal(slip_features.beside(values, right, False), [[0.0, 1.0, 2.0]])
-    np.testing.assert_array_equal(slip_features.beside(values, -right, True), [[0.0, 1.0, 2.0]])
+    np.testing.assert_array_equal(features.beside(values, right, True), [[2.0, 6.0, 0.0]])
+    np.testing.assert_array_equal(features.beside(values, right, False), [[0.0, 1.0, 2.0]])
+    np.testing.assert_array_equal(features.beside(values, -right, True), [[0.0, 1.0, 2.0]])
 
 
 def test_bounded_is_itself_where_small() -> None:
-    assert slip_features.bounded(np.array(0.01)) == pytest.approx(0.01, rel=1e-5)
-    assert abs(slip_features.bounded(np.array(-1e6))) <= slip_features.MOST
+    assert features.bounded(np.array(0.01)) == pytest.approx(0.01, rel=1e-5)
+    assert abs(features.bounded(np.array(-1e6))) <= features.MOST
 
 
 def test_noise_rms_of_the_last_window() -> None:
     """White noise of 3 rms of a pair's: its running power is within what 300 samples of it scatter."""
     noise = np.random.default_rng(2).normal(0, 3 * NOISE / np.sqrt(2), (3000, 2, 2))
-    loud = slip_features.features(WINDOW, NOISE, noise, slip_features.at_rest(2))[1]
+    loud = features.features(WINDOW, NOISE, noise, features.at_rest(2))[1]
     assert np.median(loud[500:]) == pytest.approx(3, rel=0.1)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.signal import lfilter
 
-from skincad.base.arrays import Array
+from skincad.base.arrays import Array, Index
 
 SPANS = (0.25, 1.0, 3.0, 10.0, 40.0, 160.0)  # windows that a mean looks back; 160 are the load itself
 KINDS = (
@@ -72,10 +72,13 @@ def beside(values: Array, side: Array, ahead: bool) -> Array:
     return np.where((side > 0) == ahead, up, down)
 
 
-def features(window: int, noise: float, outputs: Array, state: Array) -> tuple[Array, Array, Array]:
+def features(
+    window: int, noise: float, outputs: Array, state: Array, asked: Index | slice = slice(None)
+) -> tuple[Array, Array, Array]:
     """Return `(n, ridges, features)` of `outputs` `(n, ridges, 2)` V, how many noise rms the pairs' last
-    window had, `(n, ridges)`, and the state; `noise` V rms of a pair."""
-    m, after = means(window, outputs, state)
+    window had, `(n, ridges)`, both at the samples `asked`, and the state; `noise` V rms of a pair."""
+    every, after = means(window, outputs, state)
+    m = {kind: [part[asked] for part in parts] for kind, parts in every.items()}
     least = (FLOOR * noise) ** 2
     side = np.where(m["pair"][5] < 0, -1.0, 1.0)
     usual = {k: np.sqrt(m["pair^2"][k] + OF_SUM**2 * m["sum^2"][k] + least) for k in (3, 4, 5)}

@@ -1,0 +1,12 @@
+"""What hears a slip in the films' outputs: features, weights, the detector."""
+
+from skincad.base.faces import face
+
+# What other rooms, tests and benches use.
+__getattr__, __dir__ = face(
+    __name__,
+    """
+    detector: AHEAD Alarm BACK Detector EARLY INCIPIENT POINTS RIDGES SEEN SKIN SURE Tuning Weights taken
+        tuned weights
+    """,
+)

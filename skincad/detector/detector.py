@@ -1,0 +1,322 @@
+"""Slip felt from the films' outputs alone: which ridge slips, and whether gross slip is ahead. No look-ahead.
+
+Two small networks (one hidden layer each, their weights as data) hear what each monitored ridge and those
+beside it felt over short and long times (features.py). One tells of each ridge how likely it slips. The
+other tells how likely gross slip is ahead, by the mean of what it says of each ridge. They were fitted to the
+design set of bench/exam: scenes of other skins, frictions and histories than those of the exam that scores
+them (docs/understand/detector.md). An alarm asks for more than a threshold, which is the user's choice
+(POINTS), and for outputs that stand out of the noise.
+
+Range: outputs that follow the stress-rate in their band; more monitored ridges are better. Neither network
+knows friction or the plate's forces: a pull that eases just before gross slip feels like one that goes on.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from skincad.base.arrays import Array, Index, Mask
+from skincad.base.errors import InputError, did_you_mean
+from skincad.circuit.model import Circuit, circuit_network, fitted, load_circuit
+from skincad.circuit.state import PASS, delay, rms_behind
+from skincad.detector import features as hearing
+from skincad.inputs.catalog import load_design
+from skincad.inputs.design import Design
+from skincad.shape.skin import skin_of
+
+WINDOW = 3.5  # of the low-pass's delay; assumption
+FEWEST = 3  # samples of a window
+SEEN = 5.0  # noise rms of a pair, a window's mean, below which there is no alarm: noise alone reaches 2.9
+SLOWEST = 0.1  # Hz: noise below is taken out with the resting voltage; assumption
+
+INCIPIENT, AHEAD = "incipient slip", "gross slip ahead"
+
+
+@dataclass(frozen=True)
+class OperatingPoint:
+    """A choice of alarms: a ridge is told to slip above the logarithm of odds `threshold`, gross slip to be
+    ahead above `warning`, until BACK below.
+
+    These by cross-validation on the design set of bench/exam. On its exam, behind a transimpedance amplifier
+    with all ridges monitored: the share of gross slips `warned` of, with its 95 % interval `between`, and
+    false warnings a minute of handling, all (`false`) and those while nothing slips (`idle`). While a load is
+    held there are none.
+    """
+
+    threshold: float
+    warning: float
+    warned: float
+    between: tuple[float, float]
+    false: float
+    idle: float
+
+
+BACK = 1.0
+SURE, EARLY = "sure", "early"
+POINTS = {
+    SURE: OperatingPoint(
+        threshold=4.0, warning=2.5, warned=0.57, between=(0.50, 0.64), false=77.0, idle=13.0
+    ),
+    EARLY: OperatingPoint(
+        threshold=2.5, warning=1.25, warned=0.70, between=(0.63, 0.77), false=196.0, idle=54.0
+    ),
+}
+RIDGES, SKIN = "weights_ridges.toml", "weights_skin.toml"
+
+
+@dataclass(frozen=True, eq=False)
+class Weights:
+    """The network: of `(features,)` to `(hidden,)`, and of these to one."""
+
+    into: Array
+    bias: Array
+    out: Array
+    base: float
+
+
+@cache
+def weights(file: str) -> Weights:
+    """Return a network's weights as fitted by bench/exam/fitting.py; the head of its file says to what."""
+    table = tomllib.loads((Path(__file__).parent / file).read_text())
+    into = np.ascontiguousarray(np.array(table["into"]).T)
+    return Weights(into, np.array(table["bias"]), np.array(table["out"]), float(table["base"]))
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """`window` samples, `noise` V rms of a pair; alarms at the logarithms of odds `threshold` and `warning`,
+    those of SURE if not given; the networks are asked at one of `every` samples."""
+
+    window: int
+    noise: float
+    threshold: float = POINTS[SURE].threshold
+    warning: float = POINTS[SURE].warning
+    every: int = 1
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.noise) and self.noise > 0):
+            raise InputError("noise", "must be above 0 V and finite", self.noise)
+        for key in ("threshold", "warning"):
+            if not math.isfinite(getattr(self, key)):
+                raise InputError(key, "must be finite", getattr(self, key))
+        if self.every < 1:
+            raise InputError("every", "must be at least 1 sample", self.every)
+
+
+def tuned(rate: float, bandwidth: float, noise: float, alarms: str = SURE, every: int = 1) -> Tuning:
+    """Return the tuning for outputs at `rate` Hz behind the low-pass of `bandwidth` Hz, with the thresholds
+    of `alarms`, one of POINTS; `noise` V rms of a pair."""
+    for key, value in (("rate", rate), ("bandwidth", bandwidth)):
+        if not (math.isfinite(value) and value > 0):
+            raise InputError(key, "must be above 0 Hz and finite", value)
+    if alarms not in POINTS:
+        raise InputError(
+            "alarms", f"must be one of {', '.join(POINTS)}", alarms, did_you_mean(alarms, POINTS)
+        )
+    window, point = max(FEWEST, math.ceil(WINDOW * delay(bandwidth) * rate)), POINTS[alarms]
+    return Tuning(window, noise, point.threshold, point.warning, every)
+
+
+@dataclass(frozen=True)
+class Alarm:
+    """At sample `index`, from 0, `ridge` begins to slip, or (None) gross slip is ahead of the whole skin."""
+
+    kind: str
+    ridge: int | None
+    index: int
+
+
+@dataclass(frozen=True, eq=False)
+class Memory:
+    """All that the detector keeps: the running means' state; which ridges are taken to slip, and last whether
+    gross slip is ahead `(ridges + 1,)`; how many samples were fed; the channels' resting voltage
+    `(2 ridges,)` V."""
+
+    means: Array
+    told: Mask
+    count: int
+    rest: Array
+
+
+class Detector:
+    """Hears the wired ridges' films and raises alarms; any cutting into blocks gives the same.
+
+        detector = skincad.Detector("yamada-2002", "transimpedance", rate=5000.0, ridges=(4, 5, 6))
+        detector.rest(block_at_rest)
+        for block in blocks:  # (n, 6) V: ridge 4 S1, ridge 4 S2, ridge 5 S1, ...
+            for alarm in detector.feed(block):
+                print(alarm.kind, alarm.ridge, alarm.index / detector.rate)
+
+    `design` and `circuit` are objects, templates' names or TOML files. `rate` Hz is the circuit's
+    `sampling.rate` if not given; `ridges` count from 1, all if not given. `bandwidth` Hz is the low-pass's
+    before the sampling, 0.4 of the rate if not given. `noise` V rms of a pair is computed of film and
+    amplifier if not given: give what your board has where that is more. `every` asks the networks at one of
+    so many samples only, which is as many times cheaper and at most so many samples later.
+
+    Raises InputError for a skin without films, ridges that it has not, and numbers out of range.
+    """
+
+    def __init__(
+        self,
+        design: Design | str | Path,
+        circuit: Circuit | str | Path,
+        rate: float | None = None,
+        ridges: Sequence[int] | None = None,
+        *,
+        alarms: str = SURE,
+        bandwidth: float | None = None,
+        noise: float | None = None,
+        every: int = 1,
+    ) -> None:
+        design = design if isinstance(design, Design) else load_design(design)
+        circuit = circuit if isinstance(circuit, Circuit) else load_circuit(circuit)
+        if rate is None:
+            if circuit.sampling is None:
+                rule = f"is missing, and the circuit {circuit.name} has no sampling.rate"
+                raise InputError("rate", rule, remedy="give samples per second, as 5000")
+            rate = circuit.sampling.rate
+        try:
+            network = circuit_network(fitted(circuit, design))
+        except InputError as failure:
+            raise InputError("design", failure.rule, failure.value, failure.remedy) from None
+        every_ridge = range(1, skin_of(design).count + 1)
+        ridges = tuple(every_ridge if ridges is None else ridges)
+        for ridge in ridges:
+            if ridge not in every_ridge:
+                raise InputError("ridges", f"must be from 1 to {every_ridge[-1]}", ridge)
+        if bandwidth is None:
+            bandwidth = PASS * rate / 2
+        tuning = tuned(rate, bandwidth, 1.0 if noise is None else noise, alarms, every)
+        if noise is None:
+            pair = math.sqrt(2) * rms_behind(network, bandwidth, SLOWEST, rate / 2)
+            tuning = replace(tuning, noise=pair)
+        self._set(tuning, ridges, rate)
+
+    @classmethod
+    def of(cls, tuning: Tuning, ridges: Sequence[int], rate: float) -> Detector:
+        """Return the detector of a tuning that is there already; `ridges` are any numbers that name them."""
+        detector = cls.__new__(cls)
+        detector._set(tuning, tuple(ridges), rate)
+        return detector
+
+    def _set(self, tuning: Tuning, ridges: tuple[int, ...], rate: float) -> None:
+        if list(ridges) != sorted(set(ridges)) or not ridges:
+            rule = "must be one or more, each once, in their order on the skin"
+            raise InputError("ridges", rule, ", ".join(map(str, ridges)))
+        self.tuning, self.ridges, self.rate = tuning, ridges, rate
+        count = len(ridges)
+        self._memory = Memory(hearing.at_rest(count), np.zeros(count + 1, bool), 0, np.zeros(2 * count))
+
+    @property
+    def channels(self) -> tuple[tuple[int, str], ...]:
+        """Ridge and strip of each column of a block."""
+        return tuple((ridge, side) for ridge in self.ridges for side in ("S1", "S2"))
+
+    def rest(self, block: ArrayLike) -> None:
+        """Take the mean of `block` `(n, channels)` V, heard while nothing touches, off all that follows."""
+        values = self._checked(block)
+        if not values.shape[0]:
+            raise InputError("block", "must have at least one sample", 0)
+        self._memory = replace(self._memory, rest=values.mean(axis=0))
+
+    def feed(self, block: ArrayLike) -> list[Alarm]:
+        """Return the alarms of the next samples, `block` `(n, channels)` V; n may be 1.
+
+        Raises InputError for another number of channels or a value that is not finite: nothing was fed then.
+        """
+        values = self._checked(block) - self._memory.rest
+        odds, asked, means = self._odds(values)
+        levels = np.append(np.full(odds.shape[1] - 1, self.tuning.threshold), self.tuning.warning)
+        told = taken(self._memory.told, odds, levels, BACK)
+        before: Mask = np.concatenate([self._memory.told[None], told])
+        alarms = []
+        for row, place in np.argwhere(told & ~np.asarray(before[:-1])):
+            ridge = None if place == len(self.ridges) else self.ridges[place]
+            index = self._memory.count + int(asked[row])
+            alarms.append(Alarm(AHEAD if ridge is None else INCIPIENT, ridge, index))
+        count = self._memory.count + values.shape[0]
+        self._memory = replace(self._memory, means=means, told=before[-1], count=count)
+        return alarms
+
+    def odds(self, block: ArrayLike) -> Array:
+        """Return the logarithms of the odds that each ridge slips, and last that gross slip is ahead
+        `(n asked, ridges + 1)`, of the next samples; they are not fed."""
+        return self._odds(self._checked(block) - self._memory.rest)[0]
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """All that it keeps, as JSON can hold it: `restore` takes it, in another process too."""
+        values = {key: value.tolist() for key, value in vars(self._memory).items() if key != "count"}
+        return {**self._made(), **values, "count": self._memory.count}
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Go on from a `state`; raises InputError for one of a detector that was made otherwise."""
+        for key, value in self._made().items():
+            if key not in state or state[key] != value:
+                rule, remedy = (
+                    f"must be {value}, as this detector was made",
+                    "make it as the one that saved it",
+                )
+                raise InputError(f"state.{key}", rule, state.get(key), remedy)
+        kinds = {"means": float, "told": bool, "rest": float}
+        values = {key: np.array(state[key], kind) for key, kind in kinds.items()}
+        self._memory = Memory(**values, count=int(state["count"]))
+
+    def _made(self) -> dict[str, Any]:
+        return {**asdict(self.tuning), "ridges": list(self.ridges), "rate": self.rate}
+
+    def _checked(self, block: ArrayLike) -> Array:
+        values = np.asarray(block, float)
+        width = 2 * len(self.ridges)
+        if values.ndim != 2 or values.shape[1] != width:
+            rule = f"must be (n, {width}): S1 and S2 of {len(self.ridges)} ridges"
+            raise InputError("block", rule, str(values.shape))
+        if not np.isfinite(values).all():
+            row, column = np.argwhere(~np.isfinite(values))[0]
+            ridge, side = self.channels[column]
+            rule = f"must be finite: row {row} of ridge {ridge} {side}"
+            raise InputError(
+                "block", rule, float(values[row, column]), "leave the sample out, or repeat the last"
+            )
+        return values
+
+    def _odds(self, values: Array) -> tuple[Array, Index, Array]:
+        """One sample is multiplied at a time, so that it is the same however the samples are cut."""
+        t, state = self.tuning, self._memory
+        asked = np.arange(-(state.count + 1) % t.every, values.shape[0], t.every)
+        outputs = values.reshape(-1, len(self.ridges), 2)
+        felt, loud, means = hearing.features(t.window, t.noise, outputs, state.means, asked)
+        each, whole = (_odds(weights(file), felt) for file in (RIDGES, SKIN))
+        odds = np.concatenate([each, _mean(whole)[:, None]], axis=1)
+        seen = np.concatenate([loud > SEEN, np.any(loud > SEEN, axis=1, keepdims=True)], axis=1)
+        return np.where(seen, odds, np.minimum(odds, min(t.threshold, t.warning) - BACK - 1.0)), asked, means
+
+
+def taken(before: Mask, odds: Array, threshold: Array | float, back: float) -> Mask:
+    """Return when each of odds `(n, m)` is taken to be so: from its threshold on until `back` below it."""
+    turns = np.where(odds > threshold, 1, np.where(odds < np.subtract(threshold, back), -1, 0))
+    turns = np.concatenate([np.where(before, 1, -1)[None], turns])
+    last = np.maximum.accumulate(np.where(turns != 0, np.arange(turns.shape[0])[:, None], 0), axis=0)
+    return np.asarray(np.take_along_axis(turns, last, axis=0)[1:] > 0)
+
+
+def _odds(w: Weights, felt: Array) -> Array:
+    hidden = np.tanh(np.matmul(felt[:, :, None, :], w.into) + w.bias)
+    return np.asarray(np.matmul(hidden, w.out[:, None])[:, :, 0, 0] + w.base)
+
+
+def _mean(values: Array) -> Array:
+    """The mean of each row, added one after the other: the same for any number of rows."""
+    total = np.zeros(values.shape[0])
+    for column in values.T:
+        total += column
+    return np.asarray(total / max(1, values.shape[1]))
