@@ -45,6 +45,7 @@ RATE, BAND = 1e5, 5e3  # Hz, of holding; the fastest of the exam has the most de
 BLOCK = 1 << 20  # samples
 LEVELS = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
 STICKS = 3.0
+ASKED = (0.25, 0.5, 1.0)  # windows between two askings of the networks, as a small processor can
 FALSE = 0.1  # a minute
 
 Find = Callable[[Case, int, int], list[Alarm]]  # of a case, its window and the noise's seed
@@ -60,16 +61,18 @@ def new(one: Case, tuning: Tuning) -> Detector:
     return Detector.of(tuning, range(one.outputs.shape[1]), one.rate)
 
 
-def found(one: Case, seed: int, alarms: str, kind: str) -> list[Alarm]:
-    """Return the detector's alarms of a kind."""
-    outputs = one.outputs + one.noises(seed)
-    events = new(one, ear(one, alarms)).feed(outputs.reshape(outputs.shape[0], -1))
+def found(one: Case, seed: int, alarms: str, kind: str, share: float = 0.0) -> list[Alarm]:
+    """Return the detector's alarms of a kind; its networks are asked once in a `share` of a window, or (0) at
+    each sample."""
+    outputs, tuning = one.outputs + one.noises(seed), ear(one, alarms)
+    tuning = replace(tuning, every=max(1, round(share * tuning.window)))
+    events = new(one, tuning).feed(outputs.reshape(outputs.shape[0], -1))
     return [(e.ridge, e.index) for e in events if e.kind == kind]
 
 
-def warnings(kind: str) -> Find:
-    """Return what finds warnings of gross slip, of a kind of POINTS."""
-    return lambda one, _, seed: found(one, seed, kind, AHEAD)
+def warnings(kind: str, share: float = 0.0) -> Find:
+    """Return what finds warnings of gross slip, of a kind of POINTS, asked as `found`."""
+    return lambda one, _, seed: found(one, seed, kind, AHEAD, share)
 
 
 def marks(told: list[Case], find: Find, noises: tuple[int, ...] = SEEDS[:1]) -> list[Mark]:
@@ -115,6 +118,10 @@ def table(circuit: str, scenes: list[SceneRun], folder: Path) -> None:
         print(line(f"{name}: sure, by ridge", named), flush=True)
         print(line(f"{name}: rate's threshold", marks(told, _by_rate)), flush=True)
         print(line(f"{name}: its slips known", marks(told, lambda one, *_: scoring.slips(one))), flush=True)
+    for share in ASKED:
+        for kind in POINTS:
+            seldom = marks(every, warnings(kind, share), SEEDS)
+            print(line(f"all told: {kind}, asked once in {share:g} windows", seldom), flush=True)
     for near in (0.9, 0.95):
         known = marks(every, lambda one, _, __, near=near: scoring.cone(one, near))
         print(line(f"forces and friction known, {near:g}", known))
