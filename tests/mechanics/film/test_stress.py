@@ -16,7 +16,7 @@ from skincad import load
 from skincad import mechanics as mech
 from skincad.base import Estimate, InputError, RefusedError
 from skincad.inputs import Design
-from skincad.mechanics.bodies import elements, film_field
+from skincad.mechanics.bodies import elements, film_field, mesh
 from skincad.mechanics.film import stick
 from skincad.mechanics.film import stress as film_refinements
 from skincad.shape import Point, Section, SensorPlace
@@ -122,7 +122,7 @@ def test_what_full_stick_takes_for_granted_is_said(name: str) -> None:
 def test_the_half_agrees_with_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     """Independent of the cut's conditions; another mesh, so it agrees to the errors."""
     halves = three_stresses()
-    monkeypatch.setattr(stick, "half_of", lambda _: None)
+    monkeypatch.setattr(mesh, "half_of", lambda _: None)
     wholes = mech.film_stresses(three(), 1.2, (0.0, 0.3, -0.3), show=(1, 2))
     for half, whole in zip(halves, wholes, strict=True):
         assert whole.unknowns > 1.5 * half.unknowns
