@@ -37,6 +37,18 @@ def listed(words: list[str]) -> str:
     return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else words[0]
 
 
+def cell(text: str) -> str:
+    """Return what a person named, for a text whose rows and cells are told apart by lines, spaces and |."""
+    return re.sub(r"[\s|\0]", lambda found: f"\0{ord(found[0]):x};", text)
+
+
+def cells(row: str) -> list[str]:
+    """Return a row's cells, with | between them, names as `cell` was given them."""
+    return [
+        re.sub("\0([0-9a-f]+);", lambda code: chr(int(code[1], 16)), part.strip()) for part in row.split("|")
+    ]
+
+
 def span(minutes: float) -> str:
     """Return how long something takes, as a plan has it."""
     if not minutes:
@@ -61,6 +73,7 @@ def environment() -> Environment:
         keep_trailing_newline=True,
     )
     found.filters |= {"aligned": _aligned, "listed": listed, "md": markdown_text, "num": format, "span": span}
+    found.filters["cell"] = cell
     found.filters["g"] = lambda number: f"{number:g}"
     found.filters["joined"] = _joined
     found.filters["plural"] = lambda word, count: word if count == 1 else f"{word}s"

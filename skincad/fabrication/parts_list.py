@@ -20,7 +20,7 @@ from skincad.fabrication import electrodes, fasteners, patterns, pouring, rules,
 from skincad.fabrication.estimates import PartEstimate, ProcessEstimate, by_part
 from skincad.fabrication.job import Job
 from skincad.fabrication.machine_rules import extent
-from skincad.fabrication.papers import macro
+from skincad.fabrication.papers import cell, cells, macro
 from skincad.fabrication.part_drawing import general_tolerance, material_words, process_words
 from skincad.inputs.catalog import display_name
 from skincad.solids import fasteners as threads
@@ -40,7 +40,6 @@ SPARE_SHARE = 0.1  # assumption: of the strips, for those that crease
 TAPE = 0.05  # mm, source: makers' data sheets, polyimide tape with its adhesive
 BATHS_ML = 500  # ml, assumption: two baths in a jar that the parts fit in
 STRIP_FACES = "the strips' faces"
-BAR = "\0"  # stands for what parts cells, in the name of a file
 
 
 class Item(NamedTuple):
@@ -102,7 +101,8 @@ def _rows(job: Job, name: str) -> tuple[Item, ...]:
     """The rows of one of parts-list.txt's macros."""
     (primed, area), grams = _primed(job), dict[str, float]()
     for pour in pouring.pours(job):
-        grams[pour.silicone.name] = grams.get(pour.silicone.name, 0.0) + pour.batch
+        name_cell = cell(pour.silicone.name)
+        grams[name_cell] = grams.get(name_cell, 0.0) + pour.batch
     lines = macro(
         "papers/parts-list.txt",
         name,
@@ -110,16 +110,15 @@ def _rows(job: Job, name: str) -> tuple[Item, ...]:
         ceil=math.ceil,
         grams=grams,
         processes=[job.process(part) for part in job.closed.made],
-        bone_file=shown(PurePath(job.bone.body.file).name).replace("|", BAR) if job.bone else "",
+        bone_file=cell(shown(PurePath(job.bone.body.file).name)) if job.bone else "",
         primed=primed,
         primed_area=area,
         NECK=NECK,
     ).splitlines()
-    rows = ([cell.strip().replace(BAR, "|") for cell in line.split("|")] for line in lines)
     items = []
-    for quantity, what, size, place, *more in rows:
-        cells = {key: value for key, _, value in (cell.partition("=") for cell in more)}
-        items.append(Item(quantity, what, size, place=place, **cells))
+    for quantity, what, size, place, *more in map(cells, lines):
+        known = {key: value for key, _, value in (part.partition("=") for part in more)}
+        items.append(Item(quantity, what, size, place=place, **known))
     return tuple(items)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from skincad.base.result import Record, item, record
 from skincad.fabrication.job import Job
-from skincad.fabrication.papers import macro
+from skincad.fabrication.papers import cell, cells, macro
 from skincad.inputs.design import Design
 from skincad.inputs.feature_tables import Ridge
 from skincad.inputs.gripper import Gripper
@@ -67,7 +67,7 @@ def _rows(name: str, design: Design, *values: Any) -> list[list[str]]:
         skin=design.skin,
         mold=design.mold,
         force=design.contact.force,
-        process=design.mold.process,
+        process=cell(design.mold.process),
         family=design.features.family,
         pitch=pitch,
         height=design.heights[0],
@@ -80,4 +80,4 @@ def _rows(name: str, design: Design, *values: Any) -> list[list[str]]:
         slot=skin.slot,
     )
     entries = f"\n{text}".split("\n- ")[1:]
-    return [" ".join(entry.split()).split(" | ") for entry in entries]
+    return [cells(" ".join(entry.split())) for entry in entries]
