@@ -172,10 +172,16 @@ def test_the_noise_the_rest_and_the_rails_are_told(tmp_path: Path) -> None:
     assert data["noise_band_Hz"] == [10.0, 2500.0]
     plain = gain_of("transimpedance")
     assert (plain.output_swing, plain.output_offset) == ((None, None), 0.0)
-    # 100 Mohm's own 1.27 uV/sqrt(Hz), up to 20 kHz, and what the voltage noise makes of 33 pF: 36 uV/sqrt(Hz)
-    # at 20 kHz, rising as f
-    by_hand = np.hypot(1.27e-6 * math.sqrt(2e4), 41e-6 * math.sqrt(2e4 / 3))
-    assert plain.output_noise == pytest.approx(by_hand, rel=0.15)
+    # up to 20 kHz, V/sqrt(Hz) there: 100 Mohm's own noise is even; the voltage noise over 33 pF and the 13 nV
+    # of 10 kohm over the film's 22 pF rise as f; the film's loss, 11 pF times 0.02, as its root
+    charge_way = 2 * np.pi * 2e4 * 1e8  # V at 20 kHz by V and F
+    parts = [
+        1.27e-6 * math.sqrt(2e4),
+        10e-9 * charge_way * 32.5e-12 * math.sqrt(2e4 / 3),
+        12.7e-9 * charge_way * 22.5e-12 * math.sqrt(2e4 / 3),
+        math.sqrt(4 * 1.38e-23 * 293 * 2 * np.pi * 2e4 * 11.4e-12 * 0.02) * 1e8 * math.sqrt(2e4 / 2),
+    ]
+    assert plain.output_noise == pytest.approx(math.hypot(*parts), rel=0.05)  # and the film's resonance
     told = run_skincad("circuit", "transimpedance", "-o", "two", cwd=tmp_path).stdout
     assert "rails" not in told
     assert "rest " not in told
