@@ -1,0 +1,138 @@
+"""A .kicad_sch file read as KiCad reads it: symbols, pins in their places, and what is connected to what.
+
+Written from the description of the format alone. A wire connects at its ends; what lies along it is connected
+only at a junction. A power symbol's pin carries the name of its net, a global label its own.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+Point = tuple[int, int]  # um
+Pin = tuple[str, str]  # reference and number
+WORDS = re.compile(r'\(|\)|"((?:[^"\\]|\\.)*)"|([^\s()"]+)')
+
+
+def parsed(text: str) -> list[Any]:
+    """Return the lists of an S-expression's file."""
+    stack: list[list[Any]] = [[]]
+    for match in WORDS.finditer(text):
+        if match[0] == "(":
+            stack.append([])
+        elif match[0] == ")":
+            stack[-2].append(stack.pop())
+        else:
+            stack[-1].append(match[2] if match[2] is not None else match[1])
+    (whole,) = stack
+    return whole[0]
+
+
+def of(node: list[Any], name: str) -> list[list[Any]]:
+    return [child for child in node if isinstance(child, list) and child[0] == name]
+
+
+def property_of(node: list[Any], name: str) -> str:
+    return next(child[2] for child in of(node, "property") if child[1] == name)
+
+
+def point(x: str | float, y: str | float) -> Point:
+    return round(1000 * float(x)), round(1000 * float(y))
+
+
+@dataclass
+class Drawing:
+    """Parts by reference, and the sets of pins that are connected, with the names that each has."""
+
+    parts: dict[str, dict[str, str]] = field(default_factory=dict)  # their properties
+    nets: dict[frozenset[Pin], set[str]] = field(default_factory=dict)
+    places: dict[Point, list[Pin]] = field(default_factory=dict)
+
+    def named(self, name: str) -> frozenset[Pin]:
+        """Return the pins of the net that has this name."""
+        (pins,) = [pins for pins, names in self.nets.items() if name in names]
+        return pins
+
+
+def library_pins(symbol: list[Any], unit: int) -> Iterator[tuple[str, str, float, float]]:
+    """Return number, name and place of the pins of a symbol's unit; unit 0 is common to all."""
+    bare = symbol[1].partition(":")[2]
+    for part in of(symbol, "symbol"):
+        number = int(part[1].removeprefix(f"{bare}_").split("_")[0])
+        for pin in of(part, "pin") if number in (0, unit) else ():
+            (at,) = of(pin, "at")
+            yield of(pin, "number")[0][1], of(pin, "name")[0][1], float(at[1]), float(at[2])
+
+
+def read(text: str) -> Drawing:
+    """Return what a schematic connects."""
+    sheet, drawing = parsed(text), Drawing()
+    library = {symbol[1]: symbol for symbol in of(of(sheet, "lib_symbols")[0], "symbol")}
+    links: dict[Any, Any] = {}
+
+    def root(thing: Any) -> Any:
+        while links.setdefault(thing, thing) != thing:
+            thing = links[thing]
+        return thing
+
+    def join(a: Any, b: Any) -> None:
+        links[root(a)] = root(b)
+
+    pins: dict[Pin, Point] = {}
+    names: list[tuple[Point, str]] = []
+    for symbol in of(sheet, "symbol"):
+        (at,) = of(symbol, "at")
+        x, y, turn = float(at[1]), float(at[2]), math.radians(float(at[3]))
+        reference, unit = property_of(symbol, "Reference"), int(of(symbol, "unit")[0][1])
+        is_supply = bool(of(library[of(symbol, "lib_id")[0][1]], "power"))
+        if not is_supply:
+            drawing.parts[reference] = {name: value for _, name, value, *_ in of(symbol, "property")}
+        for number, name, px, py in library_pins(library[of(symbol, "lib_id")[0][1]], unit):
+            # counterclockwise as one sees it; the library's y points up, the sheet's down
+            rx, ry = px * math.cos(turn) - py * math.sin(turn), px * math.sin(turn) + py * math.cos(turn)
+            place = point(x + rx, y - ry)
+            drawing.places.setdefault(place, []).append((reference, number))
+            if is_supply and name != "pwr":
+                names.append((place, name))
+            elif not is_supply:
+                pins[reference, number] = place
+    wires = [[point(*xy[1:]) for xy in of(of(wire, "pts")[0], "xy")] for wire in of(sheet, "wire")]
+    segments = [pair for wire in wires for pair in pairwise(wire)]
+    for a, b in segments:
+        join(a, b)
+    for junction in of(sheet, "junction"):
+        spot = point(*of(junction, "at")[0][1:3])
+        for a, b in segments:
+            if _between(a, spot, b):
+                join(a, spot)
+    for label in of(sheet, "global_label"):
+        names.append((point(*of(label, "at")[0][1:3]), label[1]))
+    for place, name in names:
+        join(place, ("name", name))
+    groups: dict[Any, tuple[set[Pin], set[str]]] = {}
+    for pin, place in pins.items():
+        groups.setdefault(root(place), (set(), set()))[0].add(pin)
+    for place, name in names:
+        if root(place) in groups:
+            groups[root(place)][1].add(name)
+    drawing.nets = {frozenset(group): words for group, words in groups.values()}
+    return drawing
+
+
+def _between(a: Point, p: Point, b: Point) -> bool:
+    along = (b[0] - a[0]) * (p[1] - a[1]) == (b[1] - a[1]) * (p[0] - a[0])
+    return along and all(min(a[i], b[i]) <= p[i] <= max(a[i], b[i]) for i in (0, 1))
+
+
+PREFIXES = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
+
+
+def value(text: str) -> float:
+    """Return a printed value in SI."""
+    match = re.fullmatch(r"([0-9.]+)([pnumkMG]?)", text)
+    assert match, text
+    return float(match[1]) * PREFIXES[match[2]]
