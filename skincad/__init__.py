@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from skincad.base.errors import RefusedError as RefusedError
     from skincad.base.errors import UnclearError as UnclearError
     from skincad.base.estimate import Estimate as Estimate
-    from skincad.circuit.board import board as _board
+    from skincad.circuit.boards import board as _board
     from skincad.circuit.bode import gain as _gain
     from skincad.circuit.model import Circuit as Circuit
     from skincad.circuit.model import load_circuit as load_circuit
@@ -72,7 +72,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "accept_recording": "scenes.acceptance:accept_recording",
     "advise": "studies.advice:advise",
     "accuracy": "studies.accuracy.accuracy:accuracy",
-    "board": "circuit.board:board",
+    "board": "circuit.boards:board",
     "check": "mechanics.check:check",
     "design_for": "studies.wish:design_for",
     "film_stress": "mechanics.film.stress:film_stress",

@@ -1,4 +1,4 @@
-"""Output of an amplifier board: schematic, parts, the map from strip to converter, and a page to build it by."""
+"""Output of an amplifier board: schematic, parts, the map from strip to converter, and how to build it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 from skincad.base.reading import Cell, csv_text
 from skincad.base.result import Writer
 from skincad.base.version import __version__
-from skincad.circuit.board import (
+from skincad.circuit.boards import (
     CLAMP_LEAKAGE,
     INPUTS,
     MIDDLE,

@@ -50,7 +50,6 @@ class Drawing:
 
     parts: dict[str, dict[str, str]] = field(default_factory=dict)  # their properties
     nets: dict[frozenset[Pin], set[str]] = field(default_factory=dict)
-    places: dict[Point, list[Pin]] = field(default_factory=dict)
 
     def named(self, name: str) -> frozenset[Pin]:
         """Return the pins of the net that has this name."""
@@ -68,57 +67,59 @@ def library_pins(symbol: list[Any], unit: int) -> Iterator[tuple[str, str, float
             yield of(pin, "number")[0][1], of(pin, "name")[0][1], float(at[1]), float(at[2])
 
 
-def read(text: str) -> Drawing:
-    """Return what a schematic connects."""
-    sheet, drawing = parsed(text), Drawing()
-    library = {symbol[1]: symbol for symbol in of(of(sheet, "lib_symbols")[0], "symbol")}
-    links: dict[Any, Any] = {}
+class _Links:
+    """Things that are connected, in groups (union-find)."""
 
-    def root(thing: Any) -> Any:
-        while links.setdefault(thing, thing) != thing:
-            thing = links[thing]
+    def __init__(self) -> None:
+        self.links: dict[Any, Any] = {}
+
+    def root(self, thing: Any) -> Any:
+        while self.links.setdefault(thing, thing) != thing:
+            thing = self.links[thing]
         return thing
 
-    def join(a: Any, b: Any) -> None:
-        links[root(a)] = root(b)
+    def join(self, a: Any, b: Any) -> None:
+        self.links[self.root(a)] = self.root(b)
 
+
+def placed_pins(symbol: list[Any], library: list[Any]) -> Iterator[tuple[str, str, Point]]:
+    """Return number, name and place of the pins of a symbol on the sheet."""
+    (at,) = of(symbol, "at")
+    x, y, turn = float(at[1]), float(at[2]), math.radians(float(at[3]))
+    for number, name, px, py in library_pins(library, int(of(symbol, "unit")[0][1])):
+        # counterclockwise as one sees it; the library's y points up, the sheet's down
+        rx, ry = px * math.cos(turn) - py * math.sin(turn), px * math.sin(turn) + py * math.cos(turn)
+        yield number, name, point(x + rx, y - ry)
+
+
+def read(text: str) -> Drawing:
+    """Return what a schematic connects."""
+    sheet, drawing, wired = parsed(text), Drawing(), _Links()
+    library = {symbol[1]: symbol for symbol in of(of(sheet, "lib_symbols")[0], "symbol")}
     pins: dict[Pin, Point] = {}
-    names: list[tuple[Point, str]] = []
+    names = [(point(*of(label, "at")[0][1:3]), label[1]) for label in of(sheet, "global_label")]
     for symbol in of(sheet, "symbol"):
-        (at,) = of(symbol, "at")
-        x, y, turn = float(at[1]), float(at[2]), math.radians(float(at[3]))
-        reference, unit = property_of(symbol, "Reference"), int(of(symbol, "unit")[0][1])
-        is_supply = bool(of(library[of(symbol, "lib_id")[0][1]], "power"))
-        if not is_supply:
-            drawing.parts[reference] = {name: value for _, name, value, *_ in of(symbol, "property")}
-        for number, name, px, py in library_pins(library[of(symbol, "lib_id")[0][1]], unit):
-            # counterclockwise as one sees it; the library's y points up, the sheet's down
-            rx, ry = px * math.cos(turn) - py * math.sin(turn), px * math.sin(turn) + py * math.cos(turn)
-            place = point(x + rx, y - ry)
-            drawing.places.setdefault(place, []).append((reference, number))
-            if is_supply and name != "pwr":
-                names.append((place, name))
-            elif not is_supply:
-                pins[reference, number] = place
+        kind, reference = library[of(symbol, "lib_id")[0][1]], property_of(symbol, "Reference")
+        if of(kind, "power"):
+            names += [(place, name) for _, name, place in placed_pins(symbol, kind) if name != "pwr"]
+        else:
+            drawing.parts[reference] = {name: text for _, name, text, *_ in of(symbol, "property")}
+            pins |= {(reference, number): place for number, _, place in placed_pins(symbol, kind)}
     wires = [[point(*xy[1:]) for xy in of(of(wire, "pts")[0], "xy")] for wire in of(sheet, "wire")]
     segments = [pair for wire in wires for pair in pairwise(wire)]
     for a, b in segments:
-        join(a, b)
+        wired.join(a, b)
     for junction in of(sheet, "junction"):
         spot = point(*of(junction, "at")[0][1:3])
-        for a, b in segments:
-            if _between(a, spot, b):
-                join(a, spot)
-    for label in of(sheet, "global_label"):
-        names.append((point(*of(label, "at")[0][1:3]), label[1]))
+        for a, _ in (ends for ends in segments if _between(ends[0], spot, ends[1])):
+            wired.join(a, spot)
     for place, name in names:
-        join(place, ("name", name))
+        wired.join(place, ("name", name))
     groups: dict[Any, tuple[set[Pin], set[str]]] = {}
     for pin, place in pins.items():
-        groups.setdefault(root(place), (set(), set()))[0].add(pin)
+        groups.setdefault(wired.root(place), (set(), set()))[0].add(pin)
     for place, name in names:
-        if root(place) in groups:
-            groups[root(place)][1].add(name)
+        groups[wired.root(place)][1].add(name)
     drawing.nets = {frozenset(group): words for group, words in groups.values()}
     return drawing
 

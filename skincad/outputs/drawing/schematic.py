@@ -1,8 +1,7 @@
 """A board's schematic as a drawing: symbols, wires and labels on a sheet, for KiCad.
 
-Lengths are in steps of 2.54 mm, x to the right and y down. Each block is drawn at its own origin; a test reads
-the sheet as KiCad does and compares what is connected with the board's list of nets. KiCad connects what
-meets at the end of a wire, and crossing wires at a junction alone.
+Lengths are in steps of 2.54 mm, x to the right and y down. Each block is drawn at its own origin. KiCad
+connects what meets at the end of a wire, and what lies along a wire at a junction alone.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from skincad.circuit.board import GND, MIDDLE, RAIL, SOURCE, UNITS, Board, BoardPart, unit
+from skincad.circuit.boards import GND, MIDDLE, RAIL, SOURCE, UNITS, Board, BoardPart, unit
 
 STEP = 2.54  # mm
 IDS = uuid.UUID("6d1f0d6e-8a35-5c5b-9a3b-0f6a52d1f7a1")  # of this drawing: the same board has the same file
@@ -37,7 +36,7 @@ class Symbol:
 
 
 @dataclass
-class Sheet:
+class Schematic:
     """What is on a sheet, in mm; `id_of` gives things their lasting names."""
 
     paper: str
@@ -66,7 +65,7 @@ def _between(a: Spot, p: Spot, b: Spot) -> bool:
 class _Pen:
     """Draws at an origin, in steps, the parts of a board by their references."""
 
-    def __init__(self, sheet: Sheet, parts: dict[str, BoardPart], x: float, y: float) -> None:
+    def __init__(self, sheet: Schematic, parts: dict[str, BoardPart], x: float, y: float) -> None:
         self.sheet, self.parts, self.x, self.y = sheet, parts, x, y
 
     def spot(self, x: float, y: float) -> Spot:
@@ -96,10 +95,10 @@ class _Pen:
         self.sheet.notes.append((words, self.spot(x, y)))
 
 
-def schematic(board: Board) -> Sheet:
+def schematic(board: Board) -> Schematic:
     """Return the sheet of a board: a block for each channel, and what they share below."""
     paper = "A3" if len(board.channels) <= SMALL else "A2"
-    sheet, parts = Sheet(paper), {part.reference: part for part in board.parts}
+    sheet, parts = Schematic(paper), {part.reference: part for part in board.parts}
     columns = PAPERS[paper][2]
     left, top = 7.0, 9.0
     for n in range(len(board.channels)):
@@ -133,7 +132,8 @@ def _channel(pen: _Pen, board: Board, n: int) -> None:
         pen.wire((19.5, row), (22, row), (24, row))
         pen.wire((22, row), (22, row + 1))
         pen.part(f"R{at + 5}", 22, row + 2.5)
-        pen.label(MIDDLE, 22, row + 4, 270)
+        pen.wire((22, row + 4), (21, row + 4))
+        pen.label(MIDDLE, 21, row + 4, 180)
         pen.wire((24, 6), (23, 6), (23, 3))
         corner = 23.0
     else:
@@ -157,7 +157,7 @@ def _channel(pen: _Pen, board: Board, n: int) -> None:
     pen.label(channel.strip, 41, 7)
 
 
-def _shared(sheet: Sheet, parts: dict[str, BoardPart], board: Board, x: float, y: float) -> None:
+def _shared(sheet: Schematic, parts: dict[str, BoardPart], board: Board, x: float, y: float) -> None:
     """Headers, supply, the middle of it, the chips' own supply and the amplifiers that are left over."""
     count = len(board.channels)
     pen = _Pen(sheet, parts, x, y)

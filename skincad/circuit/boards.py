@@ -1,14 +1,14 @@
 """A board to solder: a circuit's amplifiers for 4 to 16 strips, of parts that can be bought, on one supply.
 
-Every strip has a channel: header, a resistor, two diodes to the rails, a resistor, the circuit's amplifier, and
-a low-pass of one pole before the converter. All rest at half the supply, which a divider and a spare amplifier
-make. The strips' other faces rest there too, so that no constant voltage lies across a film.
+Every strip has a channel: header, a resistor, two diodes to the rails, a resistor, the circuit's amplifier,
+and a low-pass of one pole before the converter. All rest at half the supply, which a divider and a spare
+amplifier make. The strips' other faces rest there too, so that no constant voltage lies across a film.
 
 Sources of the parts: the makers' data sheets, as they were known in 2026. TI SBOS839 (TLV9064): bias current
 0.5 pA, offset at most 1.6 mV, 10 MHz, 130 dB, input 2 pF differential and 4 pF common. Nexperia, BAV199:
 leakage 3 pA, capacitance at most 2 pF a diode. Stackpole, HMC: E24 from 11 Mohm to 10 Gohm in size 1206.
-KEMET, C1030 (CBR): up to 100 pF in size 0603. Pins of the Teensy 4.1: PJRC, cores/teensy4/analog.c. Nothing was ordered: a number
-is made by the maker's rule for order codes.
+KEMET, C1030 (CBR): up to 100 pF in size 0603. Pins of the Teensy 4.1: PJRC, cores/teensy4/analog.c. Nothing
+was ordered: a number is made by its maker's rule for order codes.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ TENTHS = tuple(
 )  # pF, steps below 1 pF; less is lost in what a board adds, 0.1 pF
 ORDINARY, HIGH = 10e6, 10e9  # ohm: the largest of ordinary chips, and of those of high resistance
 
-# The converter's inputs of a Teensy 4.1: name, pin, converter. Some hang on one converter alone; in this order
+# The analogue inputs of a Teensy 4.1: name, pin, converter. Some hang on one converter alone. In this order
 # the two strips of a ridge are on different ones, which can sample both at once.
 INPUTS = (
     *((f"A{n}", 14 + n, 1 + n % 2) for n in range(10)),
@@ -143,9 +143,9 @@ class Board(Result):
     shown_by = "skincad.outputs.boards:BOARD"
     circuit: Circuit
     constants: Constants = item(meaning="of the network, as it can be bought")
-    purchases: tuple[Purchase, ...]
-    parts: tuple[BoardPart, ...]
-    channels: tuple[Channel, ...]
+    purchases: tuple[Purchase, ...] = item()
+    parts: tuple[BoardPart, ...] = item()
+    channels: tuple[Channel, ...] = item()
     rate: float = item("Hz", "samples a second, of the circuit")
     corner: float = item("Hz", "of the low-pass before the converter, -3 dB")
     difference: float = item("dB", "largest, of the gain up to the corner")
@@ -207,8 +207,8 @@ def board(circuit: Circuit, strips: int | str | Sequence[str] = 8) -> Board:
             rule += f", with {across.text}F beside {feedback.text}"
             raise InputError("amplifier.feedback_capacitance", rule, 0.0, remedy)
         raise InputError("circuit", rule, circuit.name, "take values of the E24 series, or a lower rate")
-    keys = ("series_resistance", "feedback_resistance", "feedback_capacitance")
-    keys += ("input_resistance",) * follows
+    keys = ["series_resistance", "feedback_resistance", "feedback_capacitance"]
+    keys += ["input_resistance"] * follows
     test_frequency = float(f"{corner / 10:.1g}")
     return Board(
         circuit=circuit,
@@ -355,12 +355,12 @@ def _feedback_capacitor(c: Constants, topology: str) -> Chip:
 
 
 def _phase_margin(c: Constants, topology: str) -> float:
-    """The phase margin of an amplifier, degrees: of its open loop of one pole, 2 dB of the feedback divider.
+    """The phase margin of an amplifier, degrees: of its open loop of one pole and the feedback's divider.
 
     The divider lies between the feedback's impedance and the input's: of the inverting input the film behind
     its resistor, diodes and chip, of a follower's inverting input the chip alone.
     """
-    s = 2j * np.pi * np.geomspace(1e2, 10 * c.gain_bandwidth, 4000)
+    s = np.asarray(2j * np.pi * np.geomspace(1e2, 10 * c.gain_bandwidth, 4000), np.complex128)
     back = 1 / (1 / c.feedback_resistance + s * c.feedback_capacitance)
     if topology == "follower":
         ahead = 1 / (s * (OPAMP_COMMON + OPAMP_DIFFERENTIAL))
@@ -372,7 +372,7 @@ def _phase_margin(c: Constants, topology: str) -> float:
 
 
 def _test_gain(c: Constants, follows: bool, frequency: float) -> float:
-    """The gain from a generator through `PROBE` in a film's place, V/V; up to there the amplifier is ideal."""
+    """The gain from a generator through `PROBE` in a film's place, V/V, of an ideal amplifier."""
     s = 2j * math.pi * frequency
     if follows:
         return abs(s * PROBE / (s * (PROBE + c.input_capacitance) + 1 / c.input_resistance))
