@@ -38,6 +38,8 @@ OPAMP_COMMON, OPAMP_DIFFERENTIAL = 4e-12, 2e-12  # F, source: SBOS839
 OPAMP_BIAS, OPAMP_OFFSET = 0.5e-12, 1.6e-3  # A typical, V at most; source: SBOS839
 CLAMP_LEAKAGE, CLAMP_CAPACITANCE = 3e-12, 2 * 2e-12  # A typical, F of two diodes; source: Nexperia, BAV199
 UNITS = 4  # amplifiers in one TLV9064
+FOLLOWER = "follower"
+DRAWN = ("inverting", FOLLOWER)  # topologies that have a drawing
 
 RATES = (100.0, 50e3)  # Hz; above, a converter of 1 MS/s has too little time for 9 inputs one after another
 PASS = (
@@ -160,6 +162,11 @@ class Board(Result):
         return self.circuit.name
 
     @property
+    def follows(self) -> bool:
+        """Whether its amplifiers are followers; else they invert."""
+        return self.circuit.amplifier.topology == FOLLOWER
+
+    @property
     def spare(self) -> int:
         """How many amplifiers are wired as followers of the middle."""
         return -(len(self.channels) + 1) % UNITS
@@ -186,7 +193,9 @@ def board(circuit: Circuit, strips: int | str | Sequence[str] = 8) -> Board:
         raise InputError("amplifier.series_resistance", rule, c.series_resistance, remedy)
     series = resistor(c.series_resistance / 2, "series_resistance")
     feedback = resistor(c.feedback_resistance, "feedback_resistance")
-    follows = amplifier.topology == "follower"
+    if amplifier.topology not in DRAWN:
+        raise InputError("amplifier.topology", f"must be {' or '.join(DRAWN)} on a board", amplifier.topology)
+    follows = amplifier.topology == FOLLOWER
     bias = resistor(c.input_resistance, "input_resistance") if follows else None
     real = replace(
         c,
@@ -362,7 +371,7 @@ def _phase_margin(c: Constants, topology: str) -> float:
     """
     s = np.asarray(2j * np.pi * np.geomspace(1e2, 10 * c.gain_bandwidth, 4000), np.complex128)
     back = 1 / (1 / c.feedback_resistance + s * c.feedback_capacitance)
-    if topology == "follower":
+    if topology == FOLLOWER:
         ahead = 1 / (s * (OPAMP_COMMON + OPAMP_DIFFERENTIAL))
     else:
         ahead = 1 / (s * c.input_capacitance + 1 / (c.series_resistance + 1 / (s * c.capacitance)))

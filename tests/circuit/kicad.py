@@ -91,13 +91,13 @@ def netlist_and_rules(file: Path, home: Path) -> tuple[str, str]:
         }  # fmt: skip
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "text": True}
         stack.enter_context(ending(subprocess.Popen(["eeschema", str(file)], env=environment, **quiet)))
-        editor = Editor(environment)
+        editor, loaded = Editor(environment), f"^{file.stem} .*Schematic Editor"
         netlist = editor.until(
             file.with_suffix(".net"),
             {
                 "Save Netlist File": editor.press("Return"),
                 "Export Netlist": editor.press("Return"),
-                "Schematic Editor": editor.press(NETLIST_KEYS),
+                loaded: editor.press(NETLIST_KEYS),
             },
         )
         report = editor.until(
@@ -105,7 +105,7 @@ def netlist_and_rules(file: Path, home: Path) -> tuple[str, str]:
             {
                 "Save Report to File": editor.press("Return"),
                 "Electrical Rules Checker": editor.check_and_save,
-                "Schematic Editor": editor.press(RULES_KEYS),
+                loaded: editor.press(RULES_KEYS),
             },
         )
     return netlist, report

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 Point = tuple[int, int]  # um
 Pin = tuple[str, str]  # reference and number
@@ -50,6 +51,8 @@ class Drawing:
 
     parts: dict[str, dict[str, str]] = field(default_factory=dict)  # their properties
     nets: dict[frozenset[Pin], set[str]] = field(default_factory=dict)
+    dots: set[Point] = field(default_factory=set)
+    meetings: set[Point] = field(default_factory=set)  # of three ends of wires or more
 
     def named(self, name: str) -> frozenset[Pin]:
         """Return the pins of the net that has this name."""
@@ -109,8 +112,10 @@ def read(text: str) -> Drawing:
     segments = [pair for wire in wires for pair in pairwise(wire)]
     for a, b in segments:
         wired.join(a, b)
-    for junction in of(sheet, "junction"):
-        spot = point(*of(junction, "at")[0][1:3])
+    ends = Counter(end for ends in segments for end in ends)
+    drawing.meetings = {spot for spot, count in ends.items() if count > 2}
+    drawing.dots = {point(*of(junction, "at")[0][1:3]) for junction in of(sheet, "junction")}
+    for spot in drawing.dots:
         for a, _ in (ends for ends in segments if _between(ends[0], spot, ends[1])):
             wired.join(a, spot)
     for place, name in names:
@@ -127,6 +132,37 @@ def read(text: str) -> Drawing:
 def _between(a: Point, p: Point, b: Point) -> bool:
     along = (b[0] - a[0]) * (p[1] - a[1]) == (b[1] - a[1]) * (p[0] - a[0])
     return along and all(min(a[i], b[i]) <= p[i] <= max(a[i], b[i]) for i in (0, 1))
+
+
+class Words(NamedTuple):
+    """A text on the sheet and its box: left, upper, right and lower end, mm."""
+
+    words: str
+    box: tuple[float, float, float, float]
+
+
+def texts(text: str) -> list[Words]:
+    """Return what one can read on a schematic: notes, labels, and the symbols' fields that are shown."""
+    sheet = parsed(text)
+    shown = [(note[1], note, 0) for note in of(sheet, "text")]
+    shown += [(label[1], label, 2) for label in of(sheet, "global_label")]
+    for symbol in of(sheet, "symbol"):
+        shown += [(field[2], field, 0) for field in of(symbol, "property")]
+    return [Words(words, _box(words, node, more)) for words, node, more in shown if not _is_hidden(node)]
+
+
+def _is_hidden(node: list[Any]) -> bool:
+    return "hide" in of(node, "effects")[0]
+
+
+def _box(words: str, node: list[Any], more: int) -> tuple[float, float, float, float]:
+    (at,), (effects,) = of(node, "at"), of(node, "effects")
+    size = float(of(of(effects, "font")[0], "size")[0][1])
+    x, y, width = float(at[1]), float(at[2]), 0.85 * size * (len(words) + more)
+    justify = of(effects, "justify")[0] if of(effects, "justify") else []
+    left = x if "left" in justify else x - width if "right" in justify else x - width / 2
+    low = y - size if "bottom" in justify else y - size / 2
+    return left, low, left + width, low + size
 
 
 PREFIXES = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}

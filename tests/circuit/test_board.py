@@ -72,6 +72,7 @@ def test_the_drawing_connects_what_the_parts_list_says(strips: int, circuit: str
     wanted = wanted_nets(layout)
     assert set(drawing.nets) == set(wanted.values())
     assert min(map(len, drawing.nets)) > 1  # no pin hangs in the air
+    assert drawing.dots == drawing.meetings  # a reader sees what is connected
     named = {name: pins for pins, names in drawing.nets.items() for name in names}
     strip_nets = {net for c in layout.channels for net in (c.strip, f"{c.strip}+")}
     assert named == {net: wanted[net] for net in {"GND", "MID", "+3V3", "+3V3A"} | strip_nets}
@@ -80,6 +81,24 @@ def test_the_drawing_connects_what_the_parts_list_says(strips: int, circuit: str
         fields = drawing.parts[part.reference]
         assert (fields["Value"], fields["Footprint"]) == (part.value, part.footprint)
         assert (fields["Maker"], fields["Number"]) == (part.maker, part.number)
+
+
+@pytest.mark.parametrize(("strips", "circuit"), STRIPS)
+def test_no_text_of_the_drawing_lies_on_another(strips: int, circuit: str) -> None:
+    """By boxes of KiCad's letters: as high as their size and about 0.85 times as wide. What ends at the right
+    ends there; a label's flag is two letters longer than its words."""
+    texts = schematics.texts(kicad_schematic(board_of(circuit, strips)))
+    boxes = np.array([text.box for text in texts]) + np.array([-0.3, -0.3, 0.3, 0.3])  # mm between them
+    left, low, right, high = boxes.T[:, :, None]
+    over = (np.minimum(right, right.T) - np.maximum(left, left.T) > 0) & (
+        np.minimum(high, high.T) - np.maximum(low, low.T) > 0
+    )
+    pairs = np.argwhere(np.triu(over, 1))
+    assert [(texts[i].words, texts[j].words) for i, j in pairs] == []
+    width, height = (420.0, 297.0) if strips <= 9 else (594.0, 420.0)
+    assert boxes[:, :2].min() > 12  # the frame
+    assert boxes[:, 2].max() < width - 12
+    assert boxes[:, 3].max() < height - 45  # the title's block is 33 high
 
 
 @pytest.mark.parametrize("strips", range(4, 17))

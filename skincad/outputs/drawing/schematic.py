@@ -15,9 +15,9 @@ from skincad.circuit.boards import GND, MIDDLE, RAIL, SOURCE, UNITS, Board, Boar
 
 STEP = 2.54  # mm
 IDS = uuid.UUID("6d1f0d6e-8a35-5c5b-9a3b-0f6a52d1f7a1")  # of this drawing: the same board has the same file
-BLOCK = (48.0, 17.0)  # steps, a channel's width and height
-SMALL = 9  # strips of a sheet of three channels a row, A3; more are on A2 with four
-PAPERS = {"A3": (420.0, 297.0, 3), "A2": (594.0, 420.0, 4)}  # mm, and channels a row
+WIDTH, HEIGHT = 48.0, {"inverting": 17.0, "follower": 19.0}  # steps, of a channel by its topology
+SMALL = 9  # strips, at most, on A3
+COLUMNS = {"A3": 3, "A2": 4}  # channels a row, by the sheet's size
 Spot = tuple[float, float]
 
 
@@ -46,20 +46,14 @@ class Schematic:
     notes: list[tuple[str, Spot]] = field(default_factory=list)
 
     def junctions(self) -> list[Spot]:
-        """Return the points where three or more ends meet, or an end lies on a wire."""
+        """Return the points where three or more ends meet; no wire goes on past another's end."""
         ends = Counter(end for wire in self.wires for end in wire)
-        inside = {p for p in ends for (a, b) in self.wires if p not in (a, b) and _between(a, p, b)}
-        return sorted(inside | {p for p, count in ends.items() if count > 2})
+        return sorted(spot for spot, count in ends.items() if count > 2)
 
     @staticmethod
     def id_of(*words: object) -> str:
         """Return the lasting name of a thing."""
         return str(uuid.uuid5(IDS, " ".join(map(str, words))))
-
-
-def _between(a: Spot, p: Spot, b: Spot) -> bool:
-    """Whether a point lies on an upright or level wire."""
-    return min(a[0], b[0]) <= p[0] <= max(a[0], b[0]) and min(a[1], b[1]) <= p[1] <= max(a[1], b[1])
 
 
 class _Pen:
@@ -99,13 +93,13 @@ def schematic(board: Board) -> Schematic:
     """Return the sheet of a board: a block for each channel, and what they share below."""
     paper = "A3" if len(board.channels) <= SMALL else "A2"
     sheet, parts = Schematic(paper), {part.reference: part for part in board.parts}
-    columns = PAPERS[paper][2]
+    columns, height = COLUMNS[paper], HEIGHT[board.circuit.amplifier.topology]
     left, top = 7.0, 9.0
     for n in range(len(board.channels)):
         row, column = divmod(n, columns)
-        _channel(_Pen(sheet, parts, left + column * BLOCK[0], top + row * BLOCK[1]), board, n)
+        _channel(_Pen(sheet, parts, left + column * WIDTH, top + row * height), board, n)
     rows = -(-len(board.channels) // columns)
-    _shared(sheet, parts, board, left, top + rows * BLOCK[1] + 1)
+    _shared(sheet, parts, board, left, top + rows * height + 1)
     return sheet
 
 
@@ -113,9 +107,8 @@ def _channel(pen: _Pen, board: Board, n: int) -> None:
     """A strip's way from the header to the converter."""
     channel, at = board.channels[n], 100 * (n + 1)
     chip, _, _ = unit(n)
-    follows = "/b" in "".join(pen.parts[f"R{at + 3}"].nets.values())
     pen.note(f"Channel {n + 1}: strip {channel.strip}, Teensy {channel.analog} (pin {channel.pin})", 0, -2.5)
-    row = 8 if follows else 6
+    row = 8 if board.follows else 6
     pen.label(f"{channel.strip}+", 5, row, 180)
     pen.wire((5, row), (6.5, row))
     pen.part(f"R{at + 1}", 8, row, 90)
@@ -128,7 +121,7 @@ def _channel(pen: _Pen, board: Board, n: int) -> None:
     pen.supply(RAIL, 15, row + 2.5)
     pen.part(f"R{at + 2}", 18, row, 90)
     pen.part(chip, 27, 7, 0, n % UNITS + 1)
-    if follows:
+    if board.follows:
         pen.wire((19.5, row), (22, row), (24, row))
         pen.wire((22, row), (22, row + 1))
         pen.part(f"R{at + 5}", 22, row + 2.5)
