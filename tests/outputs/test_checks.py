@@ -10,8 +10,8 @@ import pytest
 
 from skincad import Estimate, check, load
 from skincad.mechanics import Change, ContactCheck
-from skincad.outputs import ACCURACY, CHECK
 from skincad.mechanics.verdict import wiring_order
+from skincad.outputs import ACCURACY, CHECK
 from skincad.studies import Ladder, Measurement, measures_of
 from tests.conftest import skincad_process
 
