@@ -30,6 +30,7 @@ RESULTS = {  # a command, and the record that its --json prints
     "new": "studies.wish:WishResult",
     "check": "mechanics.verdict:ContactCheck",
     "check --stress": "mechanics.film.stress:FilmStresses",
+    "check --film": "fabrication.films:FilmOffers",
     "make": "fabrication.making:MakeResult",
     "simulate": "scenes.simulation:Simulation",
     "accept --recording": "scenes.acceptance:RecordingAcceptance",

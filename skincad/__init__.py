@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from skincad.circuit.model import Circuit as Circuit
     from skincad.circuit.model import load_circuit as load_circuit
     from skincad.detector.detector import Detector as Detector
+    from skincad.fabrication.films import film_offers as _film_offers
     from skincad.fabrication.making import make as _make
     from skincad.inputs.catalog import load as load
     from skincad.inputs.catalog import load_design as load_design
@@ -77,6 +78,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "board": "circuit.boards:board",
     "check": "mechanics.check:check",
     "design_for": "studies.wish:design_for",
+    "film_offers": "fabrication.films:film_offers",
     "film_stress": "mechanics.film.stress:film_stress",
     "fit_material": "material.fit:fit_material",
     "gain": "circuit.bode:gain",
@@ -155,6 +157,7 @@ if TYPE_CHECKING:
     advise = by_name(_advise)
     board = by_name(_board)
     check = by_name(_check)
+    film_offers = by_name(_film_offers)
     film_stress = by_name(_film_stress)
     gain = by_name(_gain)
     make = by_name(_make)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from contextlib import closing
-from functools import partial
+from functools import partial, reduce
+from operator import or_
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -47,6 +48,9 @@ def check(
         float | None,
         option("--pull N", "With --stress: tangential force; default: a quarter of the normal one."),
     ] = None,
+    film: Annotated[
+        bool, option("--film", "Say which films that can be bought fit, and by what to cut the strips.")
+    ] = False,
     advice: options.Advice = None,
     display: options.Display,
 ) -> None:
@@ -65,6 +69,7 @@ def check(
         from skincad.mechanics.film.stress import check_request
 
         check_request(design, design.contact.force if force is None else force, (tangential or 0.0,))
+    offers = skincad.film_offers(design) if film else None
     with stage_bar(4) as progress:
         result = skincad.check(
             design, force=force, tol=tol, budget=budget, model=model, measured=measured, progress=progress
@@ -77,6 +82,7 @@ def check(
     waits = measured is None and waits_for_advice(result, advice, budget, display)
     if not display.as_json:
         more = [] if films is None else [str(films), f"  picture        {stress}"]
+        more += [] if offers is None else offers.presenter().lines(offers)
         more += [] if measured is None else [NEXT_OF_PART[result.passed]]
         last = measured is None and not waits
         say(*report(result, typed, verbose=display.verbose, more=more, last=last))
@@ -85,7 +91,8 @@ def check(
         if not display.as_json:
             say(*result.next_line(typed))
     if display.as_json:
-        show(result.as_json() | (films.as_json() if films else {}), True, ())
+        parts = [part.as_json() for part in (films, offers) if part is not None]
+        show(reduce(or_, parts, result.as_json()), True, ())
     leave(result)
 
 

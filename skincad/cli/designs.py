@@ -25,16 +25,16 @@ def templates(
         str | None,
         argument(
             "KIND",
-            "List one kind: designs, scenes, circuits, studies, silicones, processes or grippers.",
+            "List one kind: designs, scenes, circuits, studies, silicones, processes, grippers or films.",
             autocompletion=completes("kinds"),
         ),
     ] = None,
     as_json: options.Json = False,
 ) -> None:
-    """List the templates, silicones, processes and grippers that ship.
+    """List the templates, silicones, processes, grippers and films that ship.
 
-    Templates are designs, scenes, circuits and studies. With KIND, silicones, processes and grippers come
-    with their values, ranges and sources.
+    Templates are designs, scenes, circuits and studies. With KIND, silicones, processes, grippers and films
+    to buy come with their values and sources.
     """
     from skincad.outputs.tomls import listing
 

@@ -22,6 +22,7 @@ from typing import NamedTuple
 import shapely
 
 from skincad.circuit.network import PICO, capacitance, electrode
+from skincad.fabrication.films import GAUGE_TOLERANCE, LEAST_LEAD, least_width
 from skincad.fabrication.job import Job
 from skincad.fabrication.rules import Finding, error, note, warning
 from skincad.inputs.skin_tables import Film
@@ -37,9 +38,7 @@ SHOULDER = 0.5  # mm, assumption: fillet between strip and tab, or the film tear
 LABEL = (4.5, 1.0)  # mm: room along a tab, in which "15 S2" is 3.9 long; height of letters, assumption
 CORNER = 1.0  # mm, assumption: legs of the corner cut off a tab at the ridge's side, to be seen and felt
 PERMITTIVITY = (12.5, 0.5)  # relative, and its error; source: data sheets of PVDF film, 12 to 13
-FILM_THICKNESS = 0.05  # relative, assumption: by which a film differs from its nominal thickness
 COPLANAR = 0.12  # pF/mm of lead, source: see circuit/network.py, on a half space of film
-LEAST_LEAD = 0.05  # mm, assumption: the narrowest line that a laser leaves or an etch resist keeps whole
 
 
 def half_gap(film: Film, depth: float) -> float:
@@ -112,7 +111,7 @@ def strip_capacitance(job: Job) -> tuple[float, float, float]:
     film = job.design.film
     value = capacitance(electrode(job.design), film.thickness, PERMITTIVITY[0]) / PICO
     narrower = 2 * film.registration / (slot.depth - 2 * film.margin)
-    share = math.hypot(narrower, PERMITTIVITY[1] / PERMITTIVITY[0], FILM_THICKNESS)
+    share = math.hypot(narrower, PERMITTIVITY[1] / PERMITTIVITY[0], GAUGE_TOLERANCE)
     return value, share * value, COPLANAR * (job.lead + tab(film)[0])
 
 
@@ -139,7 +138,7 @@ def electrode_findings(job: Job) -> list[Finding]:
     lost = film.registration + max(film.margin, needs)
     narrowest = slot.depth / 2 - lost
     if narrowest < LEAST_LEAD - 1e-9:  # mm, rounding
-        deep = math.ceil(1e3 * 2 * (LEAST_LEAD + lost) - 1e-6) / 1e3
+        deep = math.ceil(1e3 * least_width(lost) - 1e-6) / 1e3
         remedy = f"slot.depth of {deep:g} mm or more, or a finer film.registration and film.cut_tolerance: "
         remedy += "two leads lie side by side in a strip"
         where = "leads of both faces, side by side in a strip"

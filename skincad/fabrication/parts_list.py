@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from skincad.base.errors import shown
 from skincad.base.reading import csv_text
 from skincad.base.version import __version__
-from skincad.fabrication import electrodes, fasteners, patterns, pouring, rules, strips
+from skincad.fabrication import electrodes, fasteners, films, patterns, pouring, rules, strips
 from skincad.fabrication.estimates import PartEstimate, ProcessEstimate, by_part
 from skincad.fabrication.job import Job
 from skincad.fabrication.machine_rules import extent
@@ -85,6 +85,7 @@ def facts(job: Job) -> dict[str, Any]:
         "buying": sys.modules[__name__],
         "electrodes": electrodes,
         "fastening": fasteners,
+        "films": films,
         "inserts": inserts,
         "layout": layout,
         "patterns": patterns,

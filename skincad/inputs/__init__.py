@@ -10,6 +10,7 @@ __getattr__, __dir__ = face(
         overridden own_tables read_table retyped setting_key template_names template_text with_own
     design: Design height_keys scaled_skin with_heights
     feature_tables: FAMILY_TABLES Flat Pin Pocket Ridge Ring places
+    film_product: FilmProduct film_products
     gripper: Gripper gripper_named grippers
     guards: THINNEST face_heights shoulder
     material: foreign_modulus layers refuse_layers

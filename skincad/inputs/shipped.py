@@ -21,8 +21,8 @@ def templates_folder() -> Traversable:
     return inside if inside.is_dir() else files("skincad").joinpath("..") / "templates"
 
 
-def table_text(name: Table) -> str:
-    """Return the TOML of the shipped silicones, processes or grippers, with where their values are from."""
+def table_text(name: Table | Literal["films"]) -> str:
+    """Return the TOML of a shipped table, with where its values are from."""
     return (templates_folder() / f"{name}.toml").read_text("utf-8")
 
 

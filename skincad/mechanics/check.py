@@ -69,6 +69,7 @@ from skincad.mechanics.verdict import (
     is_decided,
     is_undecidable,
     relative_error,
+    wiring_order,
     with_model_error,
     with_open_friction,
     with_shortfall,
@@ -78,6 +79,7 @@ from skincad.shape.crests import crest_drops, shift_warnings
 from skincad.shape.skin import skin_of
 
 LARGEST_FORCE = 1e6  # N, as contact.force
+FOUR_CHANNELS = 2  # ridges of two strips: with no more there is nothing to choose
 
 
 def require_force(force: float) -> None:
@@ -400,6 +402,7 @@ class Solutions:
             tipping=tipping(design, answer),
             friction=design.contact.friction,
             contact_width=answer.contact_width,
+            wire_first=wiring_order(answer.ridge_force) if has_films(design) else (),
         )
 
     def _fault(self, name: str, answer: Answer) -> str:
@@ -454,6 +457,11 @@ class Solutions:
         result = manufacture(parts, self.force, threshold, spread_of(self.design), uncertainty)
         self.sampling_seconds = perf_counter() - started
         return result
+
+
+def has_films(design: Design) -> bool:
+    """Return whether a design has films to choose from: those of more than two ridges."""
+    return design.slot is not None and design.film is not None and skin_of(design).count > FOUR_CHANNELS
 
 
 def linear_seconds(answers: Mapping[str, Answer]) -> float:

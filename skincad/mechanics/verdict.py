@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -96,6 +97,9 @@ class ContactCheck(Result):
     seconds: dict[str, float] = item(meaning="wall time by stage, s")
     warnings: tuple[str, ...] = item(meaning="what to know of the numbers")
     contact_width: Estimate | None = None  # mm, of a flat skin's face
+    wire_first: tuple[int, ...] = item(
+        meaning="ridges by the order in which to wire their films; none without films", default=()
+    )
     deformed: tuple[DeformedPiece, ...] = field(
         default=(), compare=False
     )  # by the linear model, if it solved
@@ -167,6 +171,11 @@ class ContactCheck(Result):
     def _face(self) -> dict[str, Estimate]:
         return {} if self.contact_width is None else {"contact_width_mm": self.contact_width}
 
+    @reported(meaning="what wire_first rests on", null=True)
+    def wire_first_rests_on(self) -> str:
+        """What the order of wiring rests on; "" without films."""
+        return WIRING if self.wire_first else ""
+
     @reported(meaning="what lets it pass", key="changes")
     def _changes(self) -> tuple[Change, ...]:
         return self.changes or ()
@@ -178,7 +187,29 @@ class ContactCheck(Result):
 
 
 NO_MODEL = "no model here can decide it"
+WIRING = "ridge_force_N: S1 - S2 of a pulled ridge grows with the pull until it slips, and so with its force"
+EVEN = 0.01  # of the largest: ridges that bear the same but for this count as alike
 FRICTION_DECIDES = "the verdict depends on friction, which is not known"
+
+
+def wiring_order(ridge_force: Sequence[Estimate]) -> tuple[int, ...]:
+    """Return ridges from 1 by the order in which to wire their films: those that bear most first.
+
+    A press shows in S1 + S2 and a pull in S1 - S2, and both grow with what a ridge bears: it slips where the
+    pull on it is friction times its force, and nearly all ridges answer a newton alike (the outermost ones to
+    6 % less, tests/mechanics/film/test_stress.py). So the ridge that bears most speaks loudest, and sticks
+    until the last. Of ridges that are alike the one nearest to those before it comes first, then the lower
+    number. Two such ridges warn of more gross slips than any other two (docs/howto/films.md).
+    """
+    values = [force.value or 0.0 for force in ridge_force]
+    left, order = list(range(len(values))), list[int]()
+    while left:
+        most = max(values[ridge] for ridge in left) - EVEN * max(values)
+        near = math.fsum(order) / len(order) if order else (len(values) - 1) / 2
+        chosen = min((r for r in left if values[r] >= most), key=lambda ridge: (abs(ridge - near), ridge))
+        left.remove(chosen)
+        order.append(chosen)
+    return tuple(ridge + 1 for ridge in order)
 
 
 def relative_error(check: ContactCheck, spared: float) -> float:

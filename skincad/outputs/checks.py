@@ -1,4 +1,4 @@
-"""Output of a check and of the films' stress: the verdict in one sentence, and the numbers behind it."""
+"""Output of a check, of films' stress and of films to buy: the verdict in one sentence, and its numbers."""
 
 from __future__ import annotations
 
@@ -137,3 +137,4 @@ FILM_STRESS = Presentation(
     facts={"largest_error": _largest_error},
     figures=stress_figures,
 )
+FILM = Presentation(COMMAND="film", words="film.txt")

@@ -38,6 +38,7 @@ from skincad.inputs.catalog import (
 )
 from skincad.inputs.design import Design
 from skincad.inputs.feature_tables import FAMILY_TABLES
+from skincad.inputs.film_product import FilmProduct, film_products
 from skincad.inputs.gripper import Gripper, grippers
 from skincad.inputs.process import Process
 from skincad.inputs.shipped import table_text
@@ -74,6 +75,7 @@ LISTS = {
     "silicones": "silicone",
     "processes": "process",
     "grippers": "gripper",
+    "films": "film",
 }
 
 
@@ -287,6 +289,10 @@ def listing(kind: str | None) -> tuple[dict[str, Any], list[str]]:
         raise InputError("kind", "no such kind", kind, did_you_mean(kind, LISTS))
     if kind == "designs":
         return {"kind": kind, "entries": gallery.entries()}, _list_rows(kind)
+    if kind == "films":
+        units = {key: "mm" for key in FilmProduct.model_fields if unit_of(FilmProduct, (key,))}
+        entries = {name: row.model_dump(mode="json") for name, row in film_products().items()}
+        return {"kind": kind, "entries": entries, "units": units}, _said(kind, film_products()).splitlines()
     own = next((own for table, own in _OWN.items() if table == kind), None)
     if own is None:
         return {"kind": kind, "entries": {k: {"about": v} for k, v in _about(kind).items()}}, _list_rows(kind)
@@ -321,6 +327,8 @@ def _about(kind: str) -> dict[str, str]:
         return {name: f"{_said('modulus', entry)} MPa" for name, entry in silicones().items()}
     if kind == "grippers":
         return {name: _said("mount", gripper) for name, gripper in grippers().items()}
+    if kind == "films":
+        return {name: _said("film", row) for name, row in film_products().items()}
     return {name: _comment(table) for name, table in tomlkit.parse(table_text("processes")).items()}
 
 

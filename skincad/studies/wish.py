@@ -19,6 +19,7 @@ from skincad.base.errors import InputError, RefusedError, require_number
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress
 from skincad.base.result import Record, Result, item, record, reported
+from skincad.fabrication.films import FilmOffers, film_offers
 from skincad.fabrication.job import Job
 from skincad.inputs.catalog import Own
 from skincad.inputs.design import Design
@@ -111,6 +112,11 @@ class WishResult(Result):
     def passed(self) -> bool:
         """Whether the design passes its check and meets every wish."""
         return not self.broken and meets(self.check)
+
+    @reported(meaning="film that can be bought for it, as check --film has it; null without slots")
+    def film_offers(self) -> FilmOffers | None:
+        """Film that can be bought for the design; None without slots."""
+        return film_offers(self.design) if self.design.slot else None
 
     @property
     def exit_status(self) -> int:

@@ -10,6 +10,7 @@ from operator import itemgetter
 from typing import Any
 
 from skincad.base.errors import InputError
+from skincad.fabrication.films import FILM_ROOM
 from skincad.fabrication.findings import design_findings
 from skincad.fabrication.job import Job
 from skincad.fabrication.rules import walls_close
@@ -45,7 +46,7 @@ PIN_PITCHES = (*PITCHES, 10.0, 12.0, 15.0, 20.0, 25.0)  # mm; the last ones for 
 SURE_PROCESS = "sla"  # by which a pad is made that the wished process can't make
 SMALLEST_RADIUS = 5.5  # by the width, as yamada-2002's: a fan of 10 degrees
 SHIMS = (0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)  # mm, precision sheet as it is sold
-FILM_ROOM, SLOT_SHARE = 0.02, 0.05  # mm beside a film; slot by pitch, at least
+SLOT_SHARE = 0.05  # slot by pitch, at least
 WIRE_SLIT = 0.01  # mm, a side, of shims in combs that are cut and lapped
 DIGITS = 2  # of a chosen length
 LEANING = 0.75  # of the narrower side, assumption: a higher pad bends more than it shears

@@ -10,6 +10,7 @@ import pytest
 
 from skincad import Estimate, check, load
 from skincad.mechanics import Change, ContactCheck
+from skincad.mechanics.verdict import wiring_order
 from skincad.outputs import ACCURACY, CHECK
 from skincad.studies import Ladder, Measurement, measures_of
 from tests.conftest import skincad_process
@@ -84,6 +85,38 @@ def test_a_check_is_five_lines_and_its_details_repeat_none(passed: ContactCheck)
     rows = known.details().splitlines()
     assert rows[:5] == str(known).splitlines()
     assert len(set(rows)) == len(rows) > 10
+
+
+@pytest.mark.parametrize(
+    ("forces", "order"),
+    [
+        ((0.1, 0.4, 0.5, 0.6, 0.7, 0.6, 0.5, 0.4, 0.1), (5, 4, 6, 3, 7, 2, 8, 1, 9)),
+        ((0.1, 0.6, 0.7, 0.7, 0.6, 0.1), (3, 4, 2, 5, 1, 6)),
+        ((0.1, 0.2, 0.3, 0.4), (4, 3, 2, 1)),  # as under a plate that leans
+        ((0.7, 0.6999, 0.7001, 0.7, 0.7), (3, 2, 1, 4, 5)),  # all alike: neighbours in the middle
+        ((0.4, 0.9, 0.2, 0.9, 0.4), (2, 4, 1, 5, 3)),
+        ((0.0, 0.0, 0.0), (2, 1, 3)),
+    ],
+)
+def test_the_ridges_that_bear_most_are_wired_first(forces: tuple[float, ...], order: tuple[int, ...]) -> None:
+    assert wiring_order([Estimate(force, 0.5, "N") for force in forces]) == order
+
+
+def test_only_skins_with_films_say_which_to_wire(passed: ContactCheck) -> None:
+    """And with more than two ridges, whose four strips four channels take."""
+    assert passed.wire_first == ()
+    assert "wire first" not in str(passed)
+    assert passed.as_json()["wire_first"] == []
+    assert passed.as_json()["wire_first_rests_on"] is None
+    wired = check(load("yamada-2002"), model="winkler")
+    (line,) = (row for row in str(wired).splitlines() if row.startswith("  wire first     "))
+    assert line.startswith("  wire first     ridges 5 and 4 if there are four channels, then 6 and 3: ")
+    assert wired.as_json()["wire_first"] == [5, 4, 6, 3, 7, 2, 8, 1, 9]
+    assert wired.as_json()["wire_first_rests_on"].startswith("ridge_force_N: ")
+    three = check(load("steep-fingertip"), model="winkler")
+    assert "ridges 2 and 1 if there are four channels, then 3: " in str(three)
+    for settings in (["film=none", "contact.film=none"], ["ridge.count=2"], ["slot=none"]):
+        assert check(load("yamada-2002", settings), model="winkler").wire_first == ()
 
 
 def test_a_warning_is_not_hidden(passed: ContactCheck) -> None:

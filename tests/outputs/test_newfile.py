@@ -265,7 +265,7 @@ def test_a_file_that_appears_meanwhile_is_not_written_over(tmp_path: Path) -> No
     assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {"a.png": "mine"}
 
 
-EVERY = (*KINDS, "studies", "silicones", "processes", "grippers")
+EVERY = (*KINDS, "studies", "silicones", "processes", "grippers", "films")
 listed = cache(listing)
 
 

@@ -158,6 +158,7 @@ def test_new_writes_the_wish(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert answer["files"] == [str(path), str(path.with_suffix(".schema.json"))]
     assert answer["broken"] == []
     assert skincad.load(path).slot is None
+    assert answer["film_offers"] is None
     assert {"key", "value", "why"} == set(answer["choices"][0])
     values = {choice["key"]: choice["value"] for choice in answer["choices"]}
     assert skincad.load(path).material.name == values["material.name"]

@@ -19,6 +19,7 @@ from skincad.inputs import Design
 from skincad.mechanics.bodies import elements, film_field, mesh
 from skincad.mechanics.film import stick
 from skincad.mechanics.film import stress as film_refinements
+from skincad.mechanics.verdict import wiring_order
 from skincad.shape import Point, Section, SensorPlace
 from tests.designs import template
 from tests.mechanics.bodies.test_elements import block
@@ -100,6 +101,23 @@ def test_outer_ridges_lean(name: str) -> None:
     assert share.error < 0.03
     assert share.value == pytest.approx(0.607, abs=0.02)
     assert stresses_of(name)[0].lean_share(5).value <= ROUNDING
+
+
+@pytest.mark.slow
+@with_yamada
+def test_the_ridges_that_bear_most_feel_most_of_a_pull(name: str) -> None:
+    """So a check, which knows no films' stress, says by its ridges' forces which to wire first. A ridge
+    slips at friction times its force; what its pair feels by then is the stress a newton times that."""
+    normal, pulled, _ = stresses_of(name)
+    a_newton = (values(pulled.differential) - values(normal.differential)) / values(pulled.ridge_tangential)
+    at_slip = a_newton * values(normal.ridge_force)  # by friction
+    order = np.argsort(-at_slip, kind="stable")
+    assert wiring_order(normal.ridge_force) == (5, 4, 6, 3, 7, 2, 8, 1, 9)
+    assert order[0] + 1 == 5
+    for k in range(1, 9, 2):  # a pair left and right of the middle is alike, but for the pull's direction
+        assert {*(order[k : k + 2] + 1).tolist()} == {5 - (k + 1) // 2, 5 + (k + 1) // 2}
+    inner = a_newton[1:-1]
+    assert np.ptp(inner) < 0.1 * inner.mean()  # nearly all answer alike; a pull turns the outer two
 
 
 @pytest.mark.slow
