@@ -105,7 +105,8 @@ class Piezo(Reader):
 
     def read(self, watched: ReaderContext, time: Array, readings: Sequence[Observables]) -> Mapping[str, Any]:
         """Return `output_V` by monitored ridge and S1, S2, pair (their difference), and facts about it; the
-        largest output is either strip's, by which an amplifier is driven to its limits, or is not."""
+        largest output is either strip's, by which an amplifier is driven to its limits, or is not. All are V
+        from rest, in the sign of `vout`; `clipped_share` is the largest of any strip's time at a rail."""
         circuit = fitted(self.loaded, watched.design)
         recorder = circuit.sampling.rate if circuit.sampling else None
         recorder = recorder if self.sampling_Hz is None else self.sampling_Hz
@@ -157,7 +158,7 @@ class Piezo(Reader):
 
     def other_noises(self, watched: ReaderContext, time: Array) -> Iterator[Array]:
         """Yield what makes the noise that of the seeds that follow, NOISES with the scene's own, fewer where
-        the march is long."""
+        the march is long; of an amplifier at a rail as if it were not."""
         if self.noise_seed is None or not watched.ridges or time.size < 2:
             return
         chain = Chain.of(circuit_network(fitted(self.loaded, watched.design)), time, watched.bandwidth)
