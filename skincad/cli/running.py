@@ -7,10 +7,12 @@ import math
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from time import sleep
 from typing import TYPE_CHECKING, Annotated, Any
 
 import skincad
 from skincad.base.errors import InputError
+from skincad.base.interrupt import safe_point
 from skincad.base.progress import step_bar
 from skincad.cli import options
 from skincad.cli.detectors import Wiring, detector_of
@@ -122,6 +124,7 @@ def listen(
     record: Annotated[
         Path | None, option("--record FILE", "Write what comes as a CSV, which --csv reads again.")
     ] = None,
+    page: Annotated[bool, option("--page", "Show channels and alarms in the browser, here alone.")] = False,
     baud: Annotated[
         int, option("--baud N", "Of a serial port that needs it; USB boards take any.")
     ] = 115_200,
@@ -162,7 +165,26 @@ def listen(
         console.clear()
         print(json.dumps(event), flush=True)
 
-    listening.listen(wire, blocks, listener, tell, recording, console.update)
+    if not page:
+        listening.listen(wire, blocks, listener, tell, recording, console.update)
+        return
+    from skincad.live.channels import ChannelsPage
+
+    shown = ChannelsPage(listener, f"{source}, {wire.name}")
+    print(f"{shown.address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
+
+    def show_all(block: Block, events: list[dict[str, Any]]) -> None:
+        console.update(block, events)
+        shown.update(block, events)
+
+    try:
+        listening.listen(wire, blocks, listener, tell, recording, show_all)
+        shown.draw()
+        while True:  # a recording is over: it may be looked at
+            safe_point()
+            sleep(POLL)
+    finally:
+        shown.close()
 
 
 def _stream(
@@ -176,11 +198,14 @@ def _stream(
     if port is not None:
         limit = listening.TIMEOUT if timeout is None else timeout
         wire = listening.wire_of(detector, port, noisy=True)
-        return wire, listening.port_blocks(wire, listening.port_chunks(port, baud, limit), limit)
+        return wire, listening.port_blocks(wire, listening.port_chunks(port, baud, limit))
     if recorded == "-":
         wire = listening.wire_of(detector, "standard input")
         return wire, listening.blocks_of(wire, listening.file_chunks(sys.stdin.fileno(), wire.name, timeout))
     return listening.recording_blocks(detector, Path(recorded or ""))
+
+
+POLL = 0.1  # s, until Ctrl-C ends a page
 
 
 class _Console:
@@ -191,7 +216,7 @@ class _Console:
         self.begun, self.shown = False, 0.0
         self.terminal = sys.stderr.isatty()
 
-    def update(self, *_: object) -> None:
+    def update(self, _: Block, __: list[dict[str, Any]]) -> None:
         """Say once what is heard; on a terminal, once a second, how far it has come."""
         listener = self.listener
         if not self.begun and listener.rest is not None:

@@ -36,7 +36,7 @@ from skincad.shape.skin import skin_of
 WINDOW = 3.5  # of the low-pass's delay; assumption
 FEWEST = 3  # samples of a window
 SEEN = 5.0  # noise rms of a pair, a window's mean, below which there is no alarm: noise alone reaches 2.9
-PIECE = 800  # samples of a ridge that are heard at once: 0.6 MB of hidden values; assumption of a cache
+PIECE = 1000  # samples of a ridge that are heard at once: 0.8 MB of hidden values; assumption of a cache
 SLOWEST = 0.1  # Hz: noise below is taken out with the resting voltage; assumption
 
 INCIPIENT, AHEAD = "incipient slip", "gross slip ahead"

@@ -15,6 +15,7 @@ The mean of the first REST_SECONDS is the channels' resting voltage: nothing may
 
 from __future__ import annotations
 
+import math
 import os
 import select
 from collections.abc import Callable, Iterator
@@ -39,9 +40,12 @@ from skincad.inputs.recordings import check_time, column_name
 REST_SECONDS = 0.5
 REST_SHARE = 0.1  # of a stream that is shorter
 POLL = 0.02  # s, of a port: an alarm is as late
+FULL, SOON = 2048, 0.002  # bytes of a read, after which more may wait: Linux hands on 4095 at once; s
 QUIET = 0.1  # s, of a pipe, in which Ctrl-C waits
 CHUNK = 1 << 18  # bytes of a file at once
 TIMEOUT = 2.0  # s, after which a silent port is one that stalls
+HEADER = 3.0  # s of a port's bytes, within which a header comes
+BOOT = 10.0  # s, that a board may take to begin: opening its port restarts many; assumption
 LATE = 0.1  # s, that a sample may wait in this machine's buffers; assumption
 RATE_AFTER = 1.0  # s of a port's stream, from which on its rate is measured
 PART = ".part"
@@ -53,6 +57,7 @@ def port_chunks(name: str, baud: int, timeout: float) -> Chunks:
     """Yield bytes of a serial port, or of pyserial's URL, as `socket://host:port`, as they come.
 
     Raises InputError without pyserial, for a port that is not there, that stalls for `timeout` s, that ends.
+    Its first bytes may take BOOT.
     """
     try:
         import serial
@@ -69,20 +74,29 @@ def port_chunks(name: str, baud: int, timeout: float) -> Chunks:
         known = ", ".join(_ports()) or "none; is the board plugged in?"
         raise InputError("port", f"cannot be opened ({reason})", name, f"ports here: {known}") from None
     with closing(port):
-        heard = monotonic()
+        heard, limit = monotonic(), max(timeout, BOOT)
         while True:
             safe_point()
             try:
-                parts = [*iter(lambda: port.read(1 << 16), b"")]
+                data = _gathered(port)
             except (serial.SerialException, OSError) as failure:
                 rule, remedy = f"ended ({failure})", "see to its cable and power, and listen again"
                 raise InputError(name, rule, remedy=remedy) from None
-            if parts:
-                heard = monotonic()
-                yield b"".join(parts)
-            elif monotonic() - heard > timeout:
-                raise stalled(name, timeout)
-            sleep(POLL)
+            if data:
+                yield data
+                heard, limit = monotonic(), timeout
+            elif monotonic() - heard > limit:
+                raise stalled(name, limit)
+
+
+def _gathered(port: Any) -> bytes:
+    """What a port receives within POLL: few long reads, and soon another after one that a terminal's buffer
+    may have cut."""
+    parts, end = [], monotonic() + POLL
+    while (left := end - monotonic()) > 0:
+        parts.append(port.read(CHUNK))
+        sleep(min(left, SOON) if len(parts[-1]) >= FULL else left)
+    return b"".join(parts)
 
 
 def stalled(name: str, timeout: float) -> InputError:
@@ -126,20 +140,21 @@ def blocks_of(wire: Wire, chunks: Chunks) -> Iterator[Block]:
     yield from wire.finish()
 
 
-def port_blocks(wire: Wire, chunks: Chunks, timeout: float = TIMEOUT) -> Iterator[Block]:
+def port_blocks(wire: Wire, chunks: Chunks) -> Iterator[Block]:
     """Yield the blocks of a stream in real time, and measure its rate by the clock.
 
     Raises InputError for a rate that is not the detector's: by RATE_TOLERANCE, and by LATE over the time for
-    which it was measured. Raises it too where bytes come but no header does.
+    which it was measured, which is one without a pause of LATE. Raises it too where bytes come but no header.
     """
-    began, last, first = monotonic(), monotonic(), None
+    began, last, first = math.inf, math.inf, None
     for data in chunks:
         now, blocks = monotonic(), wire.push(data)
-        if wire.header is None and now - began > timeout:
+        began = min(began, now)
+        if wire.header is None and now - began > HEADER:
             remedy = f"let the board send it once a second; {wire.wanted()}"
-            raise InputError(wire.name, f"must send a header within {timeout:g} s", remedy=remedy)
-        if now - last > RATE_AFTER / 2 or any(block.begins for block in blocks):
-            first = None  # this process was halted, or the stream: what waits in buffers comes first
+            raise InputError(wire.name, f"must send a header within {HEADER:g} s", remedy=remedy)
+        if now - last > LATE or any(block.begins for block in blocks):
+            first = None  # the stream halted, or this machine is busy: what waits in buffers comes first
         last = now
         if blocks and not wire.timed:
             number = float(blocks[-1].numbers[-1])
@@ -338,7 +353,7 @@ def listen(
     listener: Listener,
     tell: Callable[[dict[str, Any]], None],
     recording: Recording | None = None,
-    watch: Callable[[Listener, Block, list[dict[str, Any]]], None] = lambda *_: None,
+    watch: Callable[[Block, list[dict[str, Any]]], None] = lambda *_: None,
 ) -> None:
     """Hear a stream to its end: `tell` gets each event as it comes, the end's too, whatever ends it.
 
@@ -358,7 +373,7 @@ def listen(
             ]
             for event in events:
                 tell(event)
-            watch(listener, block, events)
+            watch(block, events)
         for event in listener.finish():
             tell(event)
         why = "end"
