@@ -152,12 +152,12 @@ def listen(
         rule = "must be a design or scene, and one of --port PORT, --csv FILE and -"
         raise InputError("arguments", rule, " ".join(sources), "see `skincad listen --help`")
     detector, _, _ = detector_of(source, settings, wiring, options.Workshop(silicones=silicones))
-    wire, blocks = _stream(detector, port, recorded, baud, timeout)
     recording = None
     if record is not None:
         if port is None and recorded != "-":
             raise InputError("record", "is of a port or of standard input", str(record), "leave it out")
-        recording = listening.Recording(record, f"{source}, {wire.name}", detector.rate)
+        recording = listening.Recording(record, f"{source}, {port or 'standard input'}", detector.rate)
+    wire, blocks = _stream(detector, port, recorded, baud, timeout)
     listener = listening.Listener(detector)
     console = _Console(listener, f"{source}, {wire.name}")
 

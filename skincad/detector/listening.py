@@ -54,7 +54,7 @@ Chunks = Iterator[bytes]
 
 
 def port_chunks(name: str, baud: int, timeout: float) -> Chunks:
-    """Yield bytes of a serial port, or of pyserial's URL, as `socket://host:port`, as they come.
+    """Open a serial port, or pyserial's URL, as `socket://host:port`; return its bytes as they come.
 
     Raises InputError without pyserial, for a port that is not there, that stalls for `timeout` s, that ends.
     Its first bytes may take BOOT.
@@ -73,13 +73,17 @@ def port_chunks(name: str, baud: int, timeout: float) -> Chunks:
         )
         known = ", ".join(_ports()) or "none; is the board plugged in?"
         raise InputError("port", f"cannot be opened ({reason})", name, f"ports here: {known}") from None
+    return _received(port, name, timeout)
+
+
+def _received(port: Any, name: str, timeout: float) -> Chunks:
     with closing(port):
         heard, limit = monotonic(), max(timeout, BOOT)
         while True:
             safe_point()
             try:
                 data = _gathered(port)
-            except (serial.SerialException, OSError) as failure:
+            except OSError as failure:  # as pyserial's own error is
                 rule, remedy = f"ended ({failure})", "see to its cable and power, and listen again"
                 raise InputError(name, rule, remedy=remedy) from None
             if data:
@@ -184,7 +188,7 @@ def recording_blocks(detector: Detector, path: Path) -> tuple[Wire, Iterator[Blo
         with os.fdopen(descriptor, "rb", buffering=0) as file:
             yield from blocks_of(wire, file_chunks(file.fileno(), name))
 
-    if not head or _is_plain(head, wire):
+    if not path.is_file() or _is_plain(head, wire):
         return wire, streamed()
     os.close(descriptor)
     columns = read_columns(path, ("time_s", *(column_name(*channel) for channel in detector.channels)))
@@ -242,9 +246,9 @@ class Recording:
                 written += self._file.write(data[written:])
         except OSError as failure:
             self.failure = failure.strerror or str(failure)
-            self._file.truncate(end + 1 + data[:written].rfind(b"\n"))
-            return
-        self.samples += len(lines)
+            data = data[: data.rfind(b"\n", 0, written) + 1]
+            self._file.truncate(end + len(data))
+        self.samples += data.count(b"\n") - head.count(b"\n")
 
     def _open(self) -> None:
         try:
@@ -355,7 +359,8 @@ def listen(
     recording: Recording | None = None,
     watch: Callable[[Block, list[dict[str, Any]]], None] = lambda *_: None,
 ) -> None:
-    """Hear a stream to its end: `tell` gets each event as it comes, the end's too, whatever ends it.
+    """Hear a stream to its end: `tell` gets each event as it comes, the end's too, whatever ends it; of a
+    stream that is refused before its resting voltage is known, none.
 
     `watch` sees each block with its events. Raises InputError as the stream does; KeyboardInterrupt;
     ExhaustedError if the recording ended before the stream, for want of space.
@@ -390,6 +395,7 @@ def listen(
         }  # fmt: skip
         if kept is not None:
             end["recording"] = str(kept)
-        tell(end)
+        if listener.samples or kept is not None:
+            tell(end)
     if recording is not None and recording.failure:
         raise ExhaustedError(f"{recording.path} ends after {recording.samples} samples: {recording.failure}")

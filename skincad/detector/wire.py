@@ -326,7 +326,8 @@ def check_rate(name: str, measured: float, rate: float, slack: float = 0.0) -> N
     and a `slack` beside it."""
     if abs(measured / rate - 1) > RATE_TOLERANCE + slack:
         rule = f"must have the detector's {rate:g} samples a second, to {RATE_TOLERANCE:.0%}"
-        raise InputError(name, rule, float(f"{measured:.4g}"), f"listen with --rate {measured:.3g}")
+        near = float(f"{measured:.4g}")
+        raise InputError(name, rule, near, f"listen with --rate {near:g}")
 
 
 def _is_channel(cell: bytes) -> bool:
