@@ -156,7 +156,7 @@ def listen(
     if record is not None:
         if port is None and recorded != "-":
             raise InputError("record", "is of a port or of standard input", str(record), "leave it out")
-        recording = listening.Recording(record, f"{source}, {port or 'standard input'}", detector.rate)
+        recording = listening.RecordingFile(record, f"{source}, {port or 'standard input'}", detector.rate)
     wire, blocks = _stream(detector, port, recorded, baud, timeout)
     listener = listening.Listener(detector)
     console = _Console(listener, f"{source}, {wire.name}")
@@ -195,6 +195,8 @@ def _stream(
 
     if timeout is not None and not 0 < timeout < math.inf:
         raise InputError("timeout", "must be above 0 s and finite", timeout)
+    if baud < 1:
+        raise InputError("baud", "must be at least 1", baud)
     if port is not None:
         limit = listening.TIMEOUT if timeout is None else timeout
         wire = listening.wire_of(detector, port, noisy=True)

@@ -207,7 +207,7 @@ def _is_plain(head: bytes, wire: Wire) -> bool:
     return counted or (known and not lines[-1][:1].isalpha() and b";" not in lines[-1])
 
 
-class Recording:
+class RecordingFile:
     """A stream's samples as a CSV with `time_s`, which `skincad listen --csv` and spreadsheets read.
 
     It is FILE.part while it grows: each block is there once `write` returns, whatever ends this process.
@@ -356,7 +356,7 @@ def listen(
     blocks: Iterator[Block],
     listener: Listener,
     tell: Callable[[dict[str, Any]], None],
-    recording: Recording | None = None,
+    recording: RecordingFile | None = None,
     watch: Callable[[Block, list[dict[str, Any]]], None] = lambda *_: None,
 ) -> None:
     """Hear a stream to its end: `tell` gets each event as it comes, the end's too, whatever ends it; of a

@@ -20,7 +20,7 @@ import pytest
 
 from skincad.base import InputError
 from skincad.detector import AHEAD, Listener, listen, port_blocks, port_chunks, wire_of
-from skincad.detector.listening import Recording
+from skincad.detector.listening import RecordingFile
 from skincad.detector.wire import check_rate
 from tests.conftest import run_skincad
 from tests.detector.test_detector import RATE, RIDGES, made, slipping
@@ -206,7 +206,7 @@ def board(*pieces: bytes) -> Iterator[tuple[str, Callable[[], None]]]:
         os.close(ours)
 
 
-def heard(line: tuple[str, Callable[[], None]], recording: Recording) -> tuple[list[dict[str, Any]], str]:
+def heard(line: tuple[str, Callable[[], None]], recording: RecordingFile) -> tuple[list[dict[str, Any]], str]:
     """What is said of a port until it is silent for 0.3 s, and the error that ends it."""
     port, begin = line
     detector = made()
@@ -225,7 +225,7 @@ def test_a_port_is_heard_until_it_stalls_and_its_recording_heard_again(tmp_path:
     noise = b"2,1.65,1.65\x00\xff,1.6\n"
     half = lines.index(b"\n", len(lines) // 2) + 1
     with board(noise, lines[:half], head, b"alarm,999,incipient slip,3\n# hot\n", lines[half:]) as line:
-        recording = Recording(tmp_path / "film.csv", "a board", RATE)
+        recording = RecordingFile(tmp_path / "film.csv", "a board", RATE)
         (*events, end), words = heard(line, recording)
     assert words.startswith(f"{line[0]}: must not be silent for 0.3 s; see to the board's power")
     assert alarms_in(events, 777) == expected(values)
@@ -282,7 +282,7 @@ def test_a_ports_rate_is_measured_by_the_clock(rate: float, good: bool) -> None:
 
 def test_a_full_disk_ends_the_recording_with_a_whole_line(tmp_path: Path) -> None:
     """And not the detector."""
-    recording = Recording(tmp_path / "film.csv", "a board", RATE)
+    recording = RecordingFile(tmp_path / "film.csv", "a board", RATE)
     values = felt()
 
     class Full:
