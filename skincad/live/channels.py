@@ -31,7 +31,8 @@ WIDTH, HEIGHT = 760, 130  # px, of the panel and of a ridge's plot
 class ChannelsPage:
     """A page of the last SPAN of all channels, less their resting voltage, and of what was heard.
 
-    `update` takes blocks as they come and redraws every REDRAW. Raises InputError without the package viser.
+    `plots` are by ridge. `update` takes blocks as they come and redraws every REDRAW. Raises InputError
+    without the package viser.
     """
 
     def __init__(self, listener: Listener, name: str) -> None:
@@ -44,11 +45,11 @@ class ChannelsPage:
             self.server = viser.ViserServer(HOST, self.port, label=f"skincad listen: {name}", verbose=False)
         self._latest = deque[dict[str, Any]](maxlen=LATEST)
         self._parts, self._drawn = deque[tuple[Array, Array]](), 0.0
-        self._plots = dict[int, Any]()
+        self.plots = dict[int, Any]()
         gui = self.server.gui
         gui.configure_theme(show_logo=False, show_share_button=False)
         self.server.scene.world_axes.visible = False
-        self._words = gui.add_html("", order=0.0)
+        self._html = gui.add_html("", order=0.0)
         gui.main_panel.dock_left()
         gui.main_panel.set_width(WIDTH)
         self._tell()
@@ -81,13 +82,18 @@ class ChannelsPage:
         with self.server.atomic():
             for place, ridge in enumerate(self.listener.detector.ridges):
                 plot = channels_plot(stamps, *curves[:, 2 * place : 2 * place + 2].T)
-                if ridge in self._plots:
-                    self._plots[ridge].data = plot["data"]
+                if ridge in self.plots:
+                    self.plots[ridge].data = plot["data"]
                 else:
                     gui = self.server.gui
-                    self._plots[ridge] = gui.add_uplot(
+                    self.plots[ridge] = gui.add_uplot(
                         **plot, title=f"ridge {ridge}", height=HEIGHT, order=float(place + 1)
                     )
+
+    @property
+    def words(self) -> str:
+        """Return its text, HTML."""
+        return str(self._html.content)
 
     def close(self) -> None:
         """End the page."""
@@ -95,7 +101,7 @@ class ChannelsPage:
             self.server.stop()
 
     def _tell(self) -> None:
-        self._words.content = text_html(listening_html(self.name, self.listener, list(self._latest)[::-1]))
+        self._html.content = text_html(listening_html(self.name, self.listener, list(self._latest)[::-1]))
 
 
 def envelope(time: Array, values: Array) -> tuple[Array, Array]:
