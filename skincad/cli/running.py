@@ -167,6 +167,7 @@ def listen(
 
     if not page:
         listening.listen(wire, blocks, listener, tell, recording, console.update)
+        console.update()
         return
     from skincad.live.channels import ChannelsPage
 
@@ -174,7 +175,7 @@ def listen(
     print(f"{shown.address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
 
     def show_all(block: Block, events: list[dict[str, Any]]) -> None:
-        console.update(block, events)
+        console.update()
         shown.update(block, events)
 
     try:
@@ -218,7 +219,7 @@ class _Console:
         self.begun, self.shown = False, 0.0
         self.terminal = sys.stderr.isatty()
 
-    def update(self, _: Block, __: list[dict[str, Any]]) -> None:
+    def update(self, *_: object) -> None:
         """Say once what is heard; on a terminal, once a second, how far it has come."""
         listener = self.listener
         if not self.begun and listener.rest is not None:

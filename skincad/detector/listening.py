@@ -42,7 +42,7 @@ REST_SHARE = 0.1  # of a stream that is shorter
 POLL = 0.02  # s, of a port: an alarm is as late
 FULL, SOON = 2048, 0.002  # bytes of a read, after which more may wait: Linux hands on 4095 at once; s
 QUIET = 0.1  # s, of a pipe, in which Ctrl-C waits
-CHUNK = 1 << 18  # bytes of a file at once
+CHUNK, ROWS = 1 << 18, 4096  # bytes of a file at once; rows of one that is read otherwise
 TIMEOUT = 2.0  # s, after which a silent port is one that stalls
 HEADER = 3.0  # s of a port's bytes, within which a header comes
 BOOT = 10.0  # s, that a board may take to begin: opening its port restarts many; assumption
@@ -195,7 +195,14 @@ def recording_blocks(detector: Detector, path: Path) -> tuple[Wire, Iterator[Blo
     time = columns["time_s"]
     check_time(time, f"{name}, row {{}}", "time_s")
     values = np.stack([columns[column_name(*channel)] for channel in detector.channels], axis=1)
-    return wire, iter(wire.table(time, values))
+
+    def tabled() -> Iterator[Block]:
+        for start in range(0, time.size, ROWS):
+            safe_point()
+            yield from wire.table(time[start : start + ROWS], values[start : start + ROWS])
+        yield from wire.finish()
+
+    return wire, tabled()
 
 
 def _is_plain(head: bytes, wire: Wire) -> bool:

@@ -130,12 +130,10 @@ class Wire:
         return blocks
 
     def table(self, time: Array, values: Array) -> list[Block]:
-        """Return the blocks of a recording that another reader read: `time` `(n,)` s, `values` `(n,
-        channels)` V."""
+        """Return the blocks of the next rows of a recording that another reader read: `time` `(n,)` s,
+        `values` `(n, channels)` V."""
         self.header = [TIME, *self.columns]
-        blocks = self._stretches(time, values, ())
-        self._check_rate(self._stamps)
-        return blocks
+        return self._stretches(time, values, ())
 
     def wanted(self) -> str:
         """Return a remedy: the header that is wanted."""

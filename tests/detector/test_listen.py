@@ -116,6 +116,7 @@ def test_a_short_recording_rests_in_its_first_tenth(tmp_path: Path) -> None:
     detector.rest(values[:200])
     alarms = [(alarm.kind, alarm.ridge, alarm.index) for alarm in detector.feed(values)]
     assert alarms_in(said(done.stdout), 777) == alarms
+    assert "at rest, V: 2 S1 1.65" in done.stderr
 
 
 def test_a_touch_at_the_start_is_noticed(tmp_path: Path) -> None:
