@@ -92,20 +92,27 @@ def test_a_recording_of_another_program_is_read(tmp_path: Path) -> None:
 def test_lost_samples_and_a_restart_are_said_and_time_stays_right(tmp_path: Path) -> None:
     values = felt()
     head, *rows = board_lines(values, 0).splitlines(keepends=True)
-    (tmp_path / "film.csv").write_text(head + "".join(rows[:2600] + rows[2604:4500] + [head] + rows[:100]))
+    (tmp_path / "film.csv").write_text(
+        head + "".join(rows[:2600] + rows[2604:4500]) + board_lines(values[3000:], 0)
+    )
     *events, end = said(run_skincad(*WORDS, "--csv", "film.csv", cwd=tmp_path).stdout)
     lost = {"kind": "lost", "samples": 4, "sample": 2600, "time_s": 0.52, "filled": True}
     assert [event for event in events if event["kind"] == "lost"] == [lost]
     assert [event for event in events if event["kind"] == "restart"] == [
         {"kind": "restart", "sample": 0, "time_s": 0.0}
     ]
-    assert (end["samples"], end["lost"], end["restarts"]) == (4600, 4, 1)
+    assert (end["samples"], end["lost"], end["restarts"]) == (6500, 4, 1)
     filled = values[:4500].copy()
     places = np.arange(2600, 2604)
     columns = [np.interp(places, [2599, 2604], column[[2599, 2604]]) for column in values.T]
     filled[places] = np.stack(columns, axis=1)
-    before = events[: [event["kind"] for event in events].index("restart")]
-    assert alarms_in(before) == expected(filled)
+    place = [event["kind"] for event in events].index("restart")
+    assert alarms_in(events[:place]) == expected(filled)
+    again = made()  # it remembers nothing but what rests
+    again.rest(values[:REST])
+    anew = [(alarm.kind, alarm.ridge, alarm.index) for alarm in again.feed(values[3000:])]
+    assert alarms_in(events[place + 1 :]) == anew
+    assert anew
 
 
 def test_a_short_recording_rests_in_its_first_tenth(tmp_path: Path) -> None:

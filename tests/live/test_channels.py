@@ -85,8 +85,7 @@ def test_events_are_listed_newest_first(page: ChannelsPage) -> None:
 @pytest.mark.slow
 @pytest.mark.dear("a browser draws by software")
 def test_a_browser_shows_it(page: ChannelsPage) -> None:
-    with looking(page.address) as (seen,):
-        seen.wait_for("4 channels at 1000 Hz")
+    with looking(page.address, first="4 channels at 1000 Hz") as (seen,):
         seen.wait_for("ridge 4")
         assert seen.page.locator(".u-over").count() == len(RIDGES)
         assert not seen.complaints
