@@ -65,19 +65,21 @@ def slid(slider: Locator, share: float) -> None:
 
 
 @contextmanager
-def looking(address: str, count: int = 1, program: str = CHROMIUM) -> Iterator[list[Looking]]:
-    """Open a page in so many browsers at once."""
+def looking(
+    address: str, count: int = 1, program: str = CHROMIUM, first: str = "Section:"
+) -> Iterator[list[Looking]]:
+    """Open a page in so many browsers at once, until it has the words `first`."""
     with (
         sync_playwright() as driver,
         driver.chromium.launch(executable_path=program, args=ARGUMENTS) as browser,
     ):
         yield [
-            _opened(browser.new_context(viewport={"width": 1000, "height": 600}), address)
+            _opened(browser.new_context(viewport={"width": 1000, "height": 600}), address, first)
             for _ in range(count)
         ]
 
 
-def _opened(context: BrowserContext, address: str) -> Looking:
+def _opened(context: BrowserContext, address: str, first: str) -> Looking:
     page = context.new_page()
     page.set_default_timeout(PATIENCE)
     seen = Looking(page)
@@ -85,5 +87,5 @@ def _opened(context: BrowserContext, address: str) -> Looking:
     page.on("pageerror", lambda failure: seen.complaints.append(str(failure)))
     page.on("console", lambda said: seen.complaints.append(said.text) if said.type == "error" else None)
     page.goto(address)
-    seen.wait_for("Section:")
+    seen.wait_for(first)
     return seen
