@@ -34,6 +34,7 @@ RESULTS = {  # a command, and the record that its --json prints
     "simulate": "scenes.simulation:Simulation",
     "accept --recording": "scenes.acceptance:RecordingAcceptance",
     "circuit": "circuit.bode:CircuitGain",
+    "circuit --board": "circuit.boards:Board",
     "solve": "studies.solving:Solution",
     "sweep": "studies.sweeping:SweepResult",
     "optimise": "studies.study:Optimisation",

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from skincad.base.errors import RefusedError as RefusedError
     from skincad.base.errors import UnclearError as UnclearError
     from skincad.base.estimate import Estimate as Estimate
+    from skincad.circuit.boards import board as _board
     from skincad.circuit.bode import gain as _gain
     from skincad.circuit.model import Circuit as Circuit
     from skincad.circuit.model import load_circuit as load_circuit
@@ -71,6 +72,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "accept_recording": "scenes.acceptance:accept_recording",
     "advise": "studies.advice:advise",
     "accuracy": "studies.accuracy.accuracy:accuracy",
+    "board": "circuit.boards:board",
     "check": "mechanics.check:check",
     "design_for": "studies.wish:design_for",
     "film_stress": "mechanics.film.stress:film_stress",
@@ -149,6 +151,7 @@ if TYPE_CHECKING:
     accept_recording = by_name(_accept_recording)
     accuracy = by_name(_accuracy)
     advise = by_name(_advise)
+    board = by_name(_board)
     check = by_name(_check)
     film_stress = by_name(_film_stress)
     gain = by_name(_gain)

@@ -31,6 +31,7 @@ from skincad.base.version import __version__
 COMMANDS = (  # each owns the files that its manifest lists
     "make", "simulate", "circuit", "accuracy", "check", "film-stress", "fit-material", "solve", "sweep",
     "optimise", "coupon", "coupon-reading", "package",
+    "board",
 )  # fmt: skip
 # a result may have folders of these names, one deep, and no others
 FOLDERS = ("solids", "drawings", "film", "orders")

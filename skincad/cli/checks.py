@@ -157,18 +157,43 @@ def circuit(
         Path | None,
         option("--measured CSV", "Calibrate to a measured curve: columns frequency_Hz, gain_dB; any level."),
     ] = None,
+    board: Annotated[
+        Path | None, option("--board DIR", "Write an amplifier board into DIR: schematic, parts, pins.")
+    ] = None,
+    strips: Annotated[
+        str | None,
+        option(
+            "--strips N", "With --board: how many strips, 4 to 16, or which, 2S1,2S2,3S1,3S2; default: 8."
+        ),
+    ] = None,
     folder: options.Out = None,
     as_json: options.Json = False,
 ) -> None:
     """Show how film and amplifier respond to frequency.
 
     Prints the gain, its cut-off and its slopes, and writes gain.csv, gain.png and netlist.cir; with
-    --measured also the calibrated circuit.
+    --measured also the calibrated circuit, with --board a schematic and what it takes to solder it.
     """
+    from skincad.outputs.boards import BOARD, board_names
     from skincad.outputs.simulations import GAIN, gain_names
 
+    if strips is not None and board is None:
+        raise InputError("strips", "needs --board", strips, "name the folder with --board")
+    if measured is not None and board is not None:
+        raise InputError("board", "is of a circuit as it is", board, "give --board with calibrated.toml")
     loaded = skincad.load_circuit(source, settings)
     target = out_folder(folder, loaded.name, GAIN.COMMAND, gain_names(measured is not None))
+    layout = None
+    if board is not None:
+        out_folder(board, board, BOARD.COMMAND, board_names(loaded.name))
+        layout = skincad.board(loaded, 8 if strips is None else strips)
     with stage_bar(2) as progress:
         result = skincad.gain(loaded, measured, progress)
-    deliver(result, skincad.write(result, target), options.Display(as_json=as_json))
+    written, display = skincad.write(result, target), options.Display(as_json=as_json)
+    if board is None or layout is None:
+        deliver(result, written, display)
+        return
+    files = skincad.write(layout, board)
+    deliver(result, written, display, beside={"board": layout.as_json() | {"files": files.sizes()}})
+    if not as_json:
+        say(*report(layout, more=[f"  files          {files}"]))

@@ -6,7 +6,7 @@ import os
 import re
 import shlex
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -93,12 +93,17 @@ def deliver(
     display: Display,
     typed: Callable[[str], str] | None = None,
     last: bool = True,
+    beside: Mapping[str, Any] | None = None,
 ) -> None:
-    """Print a result, and what was written of it: its files lie there, so nothing is undone any more."""
+    """Print a result, and what was written of it: its files lie there, so nothing is undone any more.
+
+    `beside` are further keys of its JSON.
+    """
     data = result.as_json()
     seconds = data.get("seconds", {})
     total = seconds.get("total", 0.0) + written.seconds["total"]
     data |= {"files": written.sizes(), "seconds": {**seconds, **written.seconds, "total": total}}
+    data |= beside or {}
     more = [f"  files          {written}, {total:.1f} s"]
     named = re.findall(r"[\w-]+\.(?:html|png)", "".join(result.next_line()))
     last = last and {name for name, _ in written.files}.issuperset(named)  # it names no missing file

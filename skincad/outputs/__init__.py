@@ -10,6 +10,7 @@ from skincad.base.faces import face
 __getattr__, __dir__ = face(
     __name__,
     """
+    boards: channels_csv kicad_schematic parts_csv
     checks: CHECK advice_lines allowance awaits_advice
     delivery: Delivery of_formats ready save_picture write
     drawing.flat: write_shims_dxf
