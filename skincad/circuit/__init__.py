@@ -9,8 +9,9 @@ __getattr__, __dir__ = face(
     boards: Board BoardPart board
     bode: COLUMNS CircuitGain film_load gain told_rig without_rig
     calibrate: BOUNDS FITTED PAPER_ABOVE PAPER_BELOW PAPER_CUTOFF PAPER_HIGH PAPER_LOW
-    model: Circuit circuit_network constants load_circuit
+    model: Circuit circuit_network constants load_circuit output_offset output_swing
     network: Complex Constants Network PICO Real capacitance charge electrode netlist
+    rails: at_rails
     response: decibels noise_samples total_density
     state: FilteredSignal PASS Recording Stepper band_limited corner delay evenly_spaced longest_step
         recorded run state_space stepper

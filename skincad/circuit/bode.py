@@ -9,6 +9,7 @@ use: scenes, noise and netlist are without it.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +20,17 @@ from skincad.base.errors import InputError
 from skincad.base.progress import Progress, Stopwatch
 from skincad.base.result import Record, Result, item, record, reported
 from skincad.circuit.calibrate import Calibration, calibrate
-from skincad.circuit.model import Circuit, ForceSensor, Indenter, circuit_network, constants
+from skincad.circuit.model import (
+    Circuit,
+    ForceSensor,
+    Indenter,
+    circuit_network,
+    constants,
+    output_offset,
+    output_swing,
+)
 from skincad.circuit.network import Complex, Constants, Network, Real
-from skincad.circuit.response import Slopes, decibels, fit_slopes, response
+from skincad.circuit.response import Slopes, decibels, fit_slopes, response, total_density
 
 
 def without_rig(circuit: Circuit) -> Circuit:
@@ -47,6 +56,7 @@ def told_rig(circuit: Circuit) -> str:
 
 
 COLUMNS = ("frequency_Hz", "gain_dB")
+NOISE_POINTS = 4000  # of a band's noise, evenly in log f: a resonance of quality 60 is some 5 of them wide
 
 
 @record()
@@ -112,6 +122,30 @@ class CircuitGain(Result):
     def mid_band_gain(self) -> float:
         """The gain at the middle of the band, dB."""
         return self.mid_band[1]
+
+    @reported("Hz", "from the sweep's low to its high, or half the recorder's rate")
+    def noise_band(self) -> tuple[float, float]:
+        """The band of `output_noise`, Hz."""
+        sampling = self.circuit.sampling
+        high = float(self.frequency[-1])
+        return float(self.frequency[0]), min(high, sampling.rate / 2) if sampling else high
+
+    @reported("V", "rms, of film and amplifier in the noise band", key="output_noise_V_rms")
+    def output_noise(self) -> float:
+        """The noise at the output in the noise band, V rms."""
+        frequency = np.geomspace(*self.noise_band, NOISE_POINTS)
+        return math.sqrt(float(np.trapezoid(total_density(self.network, frequency), frequency)))
+
+    @reported("V", "of the amplifier's own output from its reference, by its input bias current")
+    def output_offset(self) -> float:
+        """How far the amplifier's own output rests above its reference, V."""
+        return output_offset(self.circuit.amplifier, self.network)
+
+    @reported("V", "how far the output goes from rest; null where no rail stops it")
+    def output_swing(self) -> tuple[float | None, float | None]:
+        """How far `vout` goes from rest, V below and above 0."""
+        low, high = output_swing(self.circuit.amplifier, self.network)
+        return (low if math.isfinite(low) else None), (high if math.isfinite(high) else None)
 
     @property
     def network(self) -> Network:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Literal, Self
 
@@ -10,8 +11,10 @@ from pydantic import Field, field_validator, model_validator
 from skincad.base.errors import InputError, did_you_mean
 from skincad.base.tables import Document, Table, quantity
 from skincad.circuit.network import PICO, TOPOLOGIES, Constants, Network, Noise, capacitance, network
+from skincad.circuit.rails import rest, sign
 from skincad.inputs.catalog import overridden, read_table
 
+UNLIMITED = (-math.inf, math.inf)  # V, without rails
 SHORT = 1e-12  # ohm; less is no resistor, and what it conducts is more than a number holds
 
 
@@ -66,6 +69,26 @@ class Amplifier(Table):
     gain_bandwidth: float = quantity(
         "Hz", "where the open loop's gain has fallen to 1; 0: no limit", ge=0.0, le=1e12, default=0.0
     )
+    input_bias_current: float = quantity(
+        "A",
+        "direct current into each input; the output rests beside the reference by it times the resistance",
+        ge=-1e-3,
+        le=1e-3,
+        default=0.0,
+    )
+    reference: float = quantity(
+        "V",
+        "at which the output rests; half of a single supply, 0 of a double one",
+        ge=-1e3,
+        le=1e3,
+        default=0.0,
+    )
+    rail_low: float | None = quantity(
+        "V", "lowest output that the amplifier gives; none: no limit", ge=-1e3, le=1e3, default=None
+    )
+    rail_high: float | None = quantity(
+        "V", "highest output that the amplifier gives; none: no limit", ge=-1e3, le=1e3, default=None
+    )
 
     @field_validator("topology")
     @classmethod
@@ -80,6 +103,27 @@ class Amplifier(Table):
             if key.endswith("resistance") and value < SHORT:
                 raise InputError(key, f"must be at least {SHORT:g} ohm", value)
         return self
+
+    @model_validator(mode="after")
+    def _between_rails(self) -> Self:
+        low, high = self.rails
+        if low >= high:
+            rule = f"must be above {low:g} V (rail_low)"
+            raise InputError("rail_high", rule, high, "give the output's lowest and highest voltage")
+        if not low < self.reference < high:
+            rules = {f"above {low:g} V (rail_low)": low, f"below {high:g} V (rail_high)": high}
+            rule = " and ".join(words for words, rail in rules.items() if math.isfinite(rail))
+            remedy = f"half-way is {(low + high) / 2:g} V" if math.isfinite(high - low) else ""
+            raise InputError("reference", f"must be {rule}", self.reference, remedy)
+        return self
+
+    @property
+    def rails(self) -> tuple[float, float]:
+        """The lowest and the highest output, V; infinite where there is no limit."""
+        return (
+            -math.inf if self.rail_low is None else self.rail_low,
+            math.inf if self.rail_high is None else self.rail_high,
+        )
 
 
 class Sweep(Table):
@@ -157,6 +201,20 @@ class Circuit(Document):
             )
         return self
 
+    @model_validator(mode="after")
+    def _rests_between_rails(self) -> Self:
+        a = self.amplifier
+        if not a.input_bias_current or a.rails == UNLIMITED:
+            return self
+        at_rest = a.reference + output_offset(a, circuit_network(self))
+        if not a.rails[0] < at_rest < a.rails[1]:
+            rule = f"must let the output rest between its rails, but it rests at {at_rest:.3g} V"
+            remedy = (
+                "take a smaller feedback_resistance (of a follower, input_resistance) or another amplifier"
+            )
+            raise InputError("amplifier.input_bias_current", rule, a.input_bias_current, remedy)
+        return self
+
 
 def load_circuit(source: str | Path, settings: list[str] | tuple[str, ...] = ()) -> Circuit:
     """Return the circuit of a template's name or of a TOML file, settings as of `load_design` on top.
@@ -173,7 +231,7 @@ def constants(circuit: Circuit) -> Constants:
         d33=film.d33 * PICO,
         capacitance=capacitance(film.area, film.thickness, film.permittivity) + circuit.cable.capacitance,
         **{f"motional_{key}": value for key, value in motional},
-        **{key: value for key, value in circuit.amplifier if key != "topology"},
+        **{key: value for key, value in circuit.amplifier if key in Constants.__dataclass_fields__},
     )
 
 
@@ -185,3 +243,18 @@ def circuit_network(circuit: Circuit, c: Constants | None = None) -> Network:
     film = circuit.film
     loss = capacitance(film.area, film.thickness, film.permittivity) * film.loss_tangent
     return network(c or constants(circuit), circuit.noise, loss, circuit.amplifier.topology)
+
+
+def output_offset(amplifier: Amplifier, whole: Network) -> float:
+    """Return how far the amplifier's own output rests above its reference, V, by its input bias current."""
+    return sign(whole) * rest(whole, amplifier.input_bias_current) + 0.0  # no -0.0
+
+
+def output_swing(amplifier: Amplifier, whole: Network) -> tuple[float, float]:
+    """Return how far `vout` can go from rest, V below and above 0; infinite where there is no rail.
+
+    Of an inverting amplifier, whose own output has the other sign, the upper rail is the lower end.
+    """
+    at_rest = amplifier.reference + output_offset(amplifier, whole)
+    low, high = sorted(sign(whole) * (rail - at_rest) for rail in amplifier.rails)
+    return low, high

@@ -39,6 +39,13 @@ class Noise(Table):
     voltage_density: float = quantity(
         "V/sqrt(Hz)", "of the amplifier's input voltage noise", ge=0.0, le=1e-3, default=0.0
     )
+    voltage_corner: float = quantity(
+        "Hz",
+        "below it 1/f noise is more than voltage_density: power (1 + voltage_corner / f); 0: white",
+        ge=0.0,
+        le=1e9,
+        default=0.0,
+    )
     current_density: float = quantity(
         "A/sqrt(Hz)", "of the amplifier's input current noise", ge=0.0, le=1e-3, default=0.0
     )
@@ -89,6 +96,7 @@ GROUND, LOAD, OUT = "0", "load", "vout"
 # a gain times a voltage. Whether the value is an impedance, and by which power of s it counts.
 KINDS = {"R": (True, 0), "C": (False, 1), "L": (True, 1), "E": (False, 0)}
 SOURCE = "E"
+AMPLIFIER = "Eamp"  # the source with the open loop's gain
 
 
 @dataclass(frozen=True)
@@ -96,7 +104,7 @@ class Element:
     """One of KINDS, in ohm, F, H or 1, between two `nodes`; a source has its own node before the two.
 
     `loss`, F times the loss tangent, of a capacitor, counts in the noise only. So do the densities of an
-    amplifier's source: V/sqrt(Hz) before the gain, A/sqrt(Hz) into each input.
+    amplifier's source: V/sqrt(Hz) before the gain, with a 1/f corner in Hz, and A/sqrt(Hz) into each input.
     """
 
     name: str
@@ -104,6 +112,7 @@ class Element:
     value: float
     loss: float = 0.0
     voltage_density: float = 0.0
+    voltage_corner: float = 0.0
     current_density: float = 0.0
 
     @property
@@ -241,11 +250,11 @@ def _open_loop(c: Constants, n: Noise, plus: str, minus: str, gain: float) -> tu
     The pole lies at gain_bandwidth / gain. Its resistor's noise, 0.13 nV/sqrt(Hz), comes behind the gain and
     counts for nothing.
     """
-    noise = {"voltage_density": n.voltage_density, "current_density": n.current_density}
+    noise = {key: value for key, value in n if key != "temperature"}
     if not c.gain_bandwidth:
-        return (Element("Eamp", ("amp", plus, minus), gain, **noise),)
+        return (Element(AMPLIFIER, ("amp", plus, minus), gain, **noise),)
     return (
-        Element("Eamp", ("fast", plus, minus), gain, **noise),
+        Element(AMPLIFIER, ("fast", plus, minus), gain, **noise),
         Element("Rpole", ("fast", "slow"), 1.0),
         Element("Cpole", ("slow", GROUND), c.gain / (2 * math.pi * c.gain_bandwidth)),
         Element("Epole", ("amp", "slow", GROUND), 1),

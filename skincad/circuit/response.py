@@ -7,8 +7,9 @@ What digits are lost are those that the elements' own values leave open, also wh
 none left (an amplifier's gain near Ropo / Rf).
 
 Noise of film and amplifier at the output. Thermal noise of each resistor and of the film's dielectric loss
-(Johnson 1928, Nyquist 1928), the amplifier's input voltage and current noise, white. Each source goes through
-the network alone; their powers add. The network itself is without the film's loss.
+(Johnson 1928, Nyquist 1928), the amplifier's input voltage noise, white with a 1/f corner (Horowitz and Hill,
+The Art of Electronics, 3rd ed., sec. 8.1.3), and its input current noise, white. Each source goes through the
+network alone; their powers add. The network itself is without the film's loss.
 """
 
 from __future__ import annotations
@@ -220,7 +221,7 @@ def _two_lines(x: Real, y: Real) -> tuple[list[float], Real, float]:
 
 def noise_density(network: Network, frequency: Real) -> dict[str, Real]:
     """Return the one-sided power density at the output by source, `(n,)` V2/Hz each, at `(n,)` Hz."""
-    frequency = np.asarray(frequency, float)
+    frequency = checked_frequencies(frequency)
     sources = list(_sources(network, frequency))
     ways = transfers(network, [drive for _, drive, _ in sources], frequency)
     terms = zip(sources, ways, strict=True)
@@ -233,7 +234,8 @@ def _sources(network: Network, frequency: Real) -> Iterator[tuple[str, Drive, Re
     thermal = 4 * Boltzmann * network.temperature
     for i, e in enumerate(network.elements):
         if e.voltage_density:
-            yield f"{e.name} voltage", ((e.nodes[0], 1 << i, 1),), e.voltage_density**2
+            power = e.voltage_density**2 * (1 + e.voltage_corner / frequency)
+            yield f"{e.name} voltage", ((e.nodes[0], 1 << i, 1),), power
         if e.current_density:
             for node in sorted({*e.nodes[1:]} - fixed):
                 yield f"{e.name} current into {node}", ((node, 0, 1),), e.current_density**2

@@ -6,7 +6,8 @@ circuit's film is replaced by the skin's own strip, so a wider one changes the o
 whose metal overlaps nowhere, doesn't; its motional branch stays. Both strips of a pair have the same
 amplifier. Range: what the film feels is the mean over the strip, its bare edge included; the amplifier does
 not act back on the stress (no stiffening). The stress goes through the signals' low-pass, as rate and jerk
-do, and so does the noise.
+do, and so does the noise. Outputs are from rest, where the input bias current has put it. An amplifier that
+comes to a rail (circuit/rails.py) does so before the low-pass.
 """
 
 from __future__ import annotations
@@ -17,13 +18,23 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.tables import quantity
-from skincad.circuit.model import Circuit, circuit_network, constants, load_circuit
+from skincad.circuit.model import (
+    UNLIMITED,
+    Circuit,
+    circuit_network,
+    constants,
+    load_circuit,
+    output_offset,
+    output_swing,
+)
 from skincad.circuit.network import Network, capacitance, charge, electrode
+from skincad.circuit.rails import at_rails
 from skincad.circuit.response import noise_samples, total_density
 from skincad.circuit.state import (
     PASS,
@@ -49,6 +60,7 @@ MOST_LEAD = 20_000_000  # of noise before its record begins
 NOISES, FEWEST_NOISES = 20, 5  # seeds that give a lead's spread
 MOST_NOISE = 20_000_000  # samples of their noise, some seconds, where the fewest seeds take less
 SIDES = ("S1", "S2")  # of a pair
+MOST_CLIPPED = 3  # strips at a rail that a warning names
 SETTLED = 20.0  # delays of the low-pass after which its start has faded, to e^-40
 
 
@@ -92,18 +104,32 @@ class Piezo(Reader):
 
     def read(self, watched: ReaderContext, time: Array, readings: Sequence[Observables]) -> Mapping[str, Any]:
         """Return `output_V` by monitored ridge and S1, S2, pair (their difference), and facts about it; the
-        largest output is either strip's, by which an amplifier is driven to its limits, or is not."""
+        largest output is either strip's, by which an amplifier is driven to its limits, or is not. All are V
+        from rest, in the sign of `vout`; `clipped_share` is the largest of any strip's time at a rail."""
         circuit = fitted(self.loaded, watched.design)
         recorder = circuit.sampling.rate if circuit.sampling else None
         recorder = recorder if self.sampling_Hz is None else self.sampling_Hz
         film = circuit.film
         stress = np.array([reading.films for reading in readings])
         charges = strip_charges(circuit, watched.design, stress)
-        chain = Chain.of(circuit_network(circuit), time, watched.bandwidth)
+        whole = circuit_network(circuit)
+        swing = output_swing(circuit.amplifier, whole)
+        chain = Chain.of(whole, time, watched.bandwidth, swing)
         noise = chain.noise_rms()
-        outputs, ratio = {}, {}
+        outputs, ratio, clipped, needed = {}, {}, list[dict[str, Any]](), 0.0
         for ridge in watched.ridges:
-            one, other = (chain.output(charges[:, 2 * (ridge - 1) + side]) for side in (0, 1))
+            pair = []
+            for side, strip in enumerate(SIDES, 1):
+                strip_charge = charges[:, 2 * (ridge - 1) + side - 1]
+                seed = None if self.noise_seed is None else (self.noise_seed, ridge, side)
+                if at_rail := chain.clipped(strip_charge, seed):
+                    output, share, swings = at_rail
+                    clipped.append({"ridge": ridge, "strip": strip, "share_of_time": share})
+                    needed = max(needed, swings)
+                else:
+                    output = chain.output(strip_charge)
+                pair.append(output)
+            one, other = pair
             ratio[str(ridge)] = _decibels(float(np.std(one - other)), math.sqrt(2) * noise)  # two amplifiers
             if self.noise_seed is not None:
                 one = one + chain.noise((self.noise_seed, ridge, 1))
@@ -114,17 +140,24 @@ class Piezo(Reader):
             "largest_output_V": max(
                 (abs(v) for output in outputs.values() for s in SIDES for v in output[s]), default=0.0
             ),
+            "output_swing_V": [end if math.isfinite(end) else None for end in swing],
+            "output_offset_V": output_offset(circuit.amplifier, whole),
+            "clipped_share": max((strip["share_of_time"] for strip in clipped), default=0.0),
+            "clipped_strips": clipped,
             "circuit": circuit.name,
             "sampling_Hz": recorder,
             "film_capacitance_F": capacitance(film.area, film.thickness, film.permittivity),
             "output_noise_V_rms": noise,
             "signal_to_noise_dB": ratio,
-            "warnings": _warnings(circuit.name, recorder, watched),
+            "warnings": [
+                *_warnings(circuit.name, recorder, watched),
+                *_clipping(circuit.name, clipped, needed, float(time[-1] - time[0])),
+            ],
         }
 
     def other_noises(self, watched: ReaderContext, time: Array) -> Iterator[Array]:
         """Yield what makes the noise that of the seeds that follow, NOISES with the scene's own, fewer where
-        the march is long."""
+        the march is long; of an amplifier at a rail as if it were not."""
         if self.noise_seed is None or not watched.ridges or time.size < 2:
             return
         chain = Chain.of(circuit_network(fitted(self.loaded, watched.design)), time, watched.bandwidth)
@@ -168,7 +201,8 @@ class Chain:
     """Low-pass and network behind a march of `count` entries, `fine` steps of the network in one of it.
 
     `times` `(count,)` s are those of a march whose steps are not equal, None of one whose are: the network's
-    steps are equal all the same, `fine` of them in the longest step.
+    steps are equal all the same, `fine` of them in the longest step. `swing` V is how far `vout` goes
+    from rest, below and above.
     """
 
     network: Network
@@ -177,16 +211,19 @@ class Chain:
     count: int
     fine: int
     times: Array | None = None
+    swing: tuple[float, float] = UNLIMITED
 
     @classmethod
-    def of(cls, network: Network, time: Array, bandwidth: float) -> Chain:
+    def of(
+        cls, network: Network, time: Array, bandwidth: float, swing: tuple[float, float] = UNLIMITED
+    ) -> Chain:
         """Return the chain; the low-pass is exact, and the network's steps are short against its time."""
         count = time.size
         length = longest_step(time) if count > 1 else 1.0
         wanted = math.ceil(corner(bandwidth) * length / FINE)
         fine = max(1, min(wanted, MOST_STEPS, MOST_SAMPLES // count))
         times = None if count < 2 or evenly_spaced(time) else time
-        return cls(network, stepper(network, fine / length), bandwidth, count, fine, times)
+        return cls(network, stepper(network, fine / length), bandwidth, count, fine, times, swing)
 
     @property
     def size(self) -> int:
@@ -196,24 +233,60 @@ class Chain:
         return math.ceil(float(self.times[-1]) * self.step.rate) + 1
 
     def output(self, charges: Array) -> Array:
-        """Return the output `(count,)` V of charges `(count,)` C, at rest before."""
-        at = np.arange(self.size)
+        """Return the output `(count,)` V of charges `(count,)` C, at rest before, without rails."""
+        every, straight, at_even = self._between(charges)
+        behind = band_limited(every, straight, self.bandwidth).value
+        return self._marched(run(self.step, behind[at_even])[0])
+
+    def clipped(
+        self, charges: Array, noise_seed: tuple[int, ...] | None = None
+    ) -> tuple[Array, float, float] | None:
+        """Return `output` of an amplifier that comes to a rail, the share of the time in which it lies there,
+        and how many times its swing it would need; None where it never does.
+
+        The noise of a seed counts in what comes to a rail; it is not in the output.
+        """
+        if self.swing == UNLIMITED:
+            return None
+        _, straight, at_even = self._between(charges)
+        ahead = run(self.step, straight[at_even])[0]  # of the low-pass, where the rails are
+        noise = 0.0 if noise_seed is None else self._noise_samples(noise_seed)[: self.size]
+        added, held = at_rails(self.network, ahead + noise, 1 / self.step.rate, *self.swing)
+        if not held.any():
+            return None
+        behind = band_limited(self._even, ahead + added, self.bandwidth).value
+        low, high = self.swing
+        swings = max(float(ahead.max()) / high, float(ahead.min()) / low)
+        return self._marched(behind), float(held.mean()), swings
+
+    @property
+    def _even(self) -> Array:
+        """The network's samples `(size,)`, s."""
+        return np.asarray(np.arange(self.size) / self.step.rate)
+
+    def _between(self, charges: Array) -> tuple[Array, Array, NDArray[np.intp]]:
+        """Times `(n,)` s at which the low-pass knows each corner of the charge, the charge there, and which
+        of them are the network's own samples."""
         if self.times is None:
-            straight = np.interp(at / self.fine, np.arange(self.count), charges)
-            return run(self.step, band_limited(at / self.step.rate, straight, self.bandwidth).value)[0][
-                :: self.fine
-            ]
-        even = at / self.step.rate
-        every = np.union1d(even, self.times)  # so that the low-pass knows each corner of the charge
-        behind = band_limited(every, np.interp(every, self.times, charges), self.bandwidth).value
-        output = run(self.step, behind[np.searchsorted(every, even)])[0]
-        return np.asarray(np.interp(self.times, even, output))
+            straight = np.interp(np.arange(self.size) / self.fine, np.arange(self.count), charges)
+            return self._even, straight, np.arange(self.size)
+        every = np.union1d(self._even, self.times)
+        return every, np.interp(every, self.times, charges), np.searchsorted(every, self._even)
+
+    def _marched(self, output: Array) -> Array:
+        """What the network's samples are at the march's entries."""
+        if self.times is None:
+            return output[:: self.fine]
+        return np.asarray(np.interp(self.times, self._even, output))
+
+    def _noise_samples(self, seed: tuple[int, ...]) -> Array:
+        return noise_samples(self.network, self.step.rate, max(2, self.size), seed)
 
     def noise(self, seed: tuple[int, ...]) -> Array:
         """Return noise `(count,)` V behind the low-pass; raises RefusedError where that takes too long to
         settle."""
-        size = max(2, self.size)
-        sample = noise_samples(self.network, self.step.rate, size, seed)
+        sample = self._noise_samples(seed)
+        size = sample.size
         # periodic: a lead-in of its own end lets the low-pass settle
         lead = math.ceil(SETTLED * delay(self.bandwidth) * self.step.rate)
         if lead > MOST_LEAD:
@@ -241,6 +314,24 @@ def _decibels(signal: float, noise: float) -> float | None:
 def _strip(design: Design) -> Strip:
     assert design.film is not None
     return design.film
+
+
+def _clipping(name: str, clipped: Sequence[Mapping[str, Any]], swings: float, duration: float) -> list[str]:
+    """Which strips' amplifiers lie at a rail for how long, and the remedy."""
+    if not clipped:
+        return []
+    worst = sorted(clipped, key=lambda strip: -strip["share_of_time"])
+    told = [
+        f"ridge {c['ridge']} {c['strip']} for {c['share_of_time']:.2g} of the time "
+        f"({1e3 * c['share_of_time'] * duration:.3g} ms)"
+        for c in worst[:MOST_CLIPPED]
+    ]
+    more = [f"{len(worst) - len(told)} more for less"] if len(worst) > len(told) else []
+    return [
+        f"{name} is driven to a rail: {', '.join([*told, *more])}; output_V is clipped there. It would need "
+        f"{swings:.2g} times its swing: take as much less gain (a smaller amplifier.feedback_resistance, in "
+        "a charge amplifier a larger feedback_capacitance) or wider rails"
+    ]
 
 
 def _warnings(name: str, recorder: float | None, watched: ReaderContext) -> list[str]:

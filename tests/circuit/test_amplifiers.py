@@ -318,7 +318,8 @@ def test_amplifier_noise_takes_the_way_that_spice_finds(tmp_path: Path, name: st
     loud = of(name, LOUD)
     elements, amplifier = element_lines(loud), constants(CIRCUITS[name]).gain
     body = [line for line in elements if not line.startswith("Eamp")]
-    volt = ["Vload load 0 DC 0", *body, "Vn seen in AC 1", f"Eamp amp 0 seen 0 {-amplifier!r}"]
+    own = next(e.nodes[0] for e in loud.elements if e.name == "Eamp")
+    volt = ["Vload load 0 DC 0", *body, "Vn seen in AC 1", f"Eamp {own} 0 seen 0 {-amplifier!r}"]
     ampere = ["Vload load 0 DC 0", *elements, "In 0 in AC 1"]
     for lines, source in ((volt, "Eamp voltage"), (ampere, "Eamp current into in")):
         spice = vectors(tmp_path, lines, "ac dec 10 10 20000", ["v(vout)"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from functools import cache, partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -157,6 +158,33 @@ def test_a_measured_curve_is_fitted_to_its_end_or_the_sweeps(
     assert curve.measured.slopes.cutoff.value == pytest.approx(1200.0, rel=2e-3)  # the minimiser's tolerance
     assert curve.measured.slopes.above.value == pytest.approx(60.0, abs=0.1)
     assert target[-1] == frequency[frequency <= fitted][-1]
+
+
+@pytest.mark.slow
+def test_the_noise_the_rest_and_the_rails_are_told(tmp_path: Path) -> None:
+    text = run_skincad("circuit", "single-supply", "-o", "one", cwd=tmp_path).stdout
+    assert "  noise          0.11 mV rms at the output, 10 to 2500 Hz\n" in text
+    assert "  rest           the amplifier rests at 1.65 V and 0.05 mV by its input bias current" in text
+    assert "  rails          the output stops at -1.63 and 1.63 V\n" in text
+    data = json.loads(run_skincad("circuit", "single-supply", "--json", cwd=tmp_path).stdout)
+    assert data["output_swing_V"] == pytest.approx([-1.63, 1.63], abs=1e-3)
+    assert data["output_offset_V"] == pytest.approx(5e-5, rel=1e-3)
+    assert data["noise_band_Hz"] == [10.0, 2500.0]
+    plain = gain_of("transimpedance")
+    assert (plain.output_swing, plain.output_offset) == ((None, None), 0.0)
+    # up to 20 kHz, V/sqrt(Hz) there: 100 Mohm's own noise is even; the voltage noise over 33 pF and the 13 nV
+    # of 10 kohm over the film's 22 pF rise as f; the film's loss, 11 pF times 0.02, as its root
+    charge_way = 2 * np.pi * 2e4 * 1e8  # V at 20 kHz by V and F
+    parts = [
+        1.27e-6 * math.sqrt(2e4),
+        10e-9 * charge_way * 32.5e-12 * math.sqrt(2e4 / 3),
+        12.7e-9 * charge_way * 22.5e-12 * math.sqrt(2e4 / 3),
+        math.sqrt(4 * 1.38e-23 * 293 * 2 * np.pi * 2e4 * 11.4e-12 * 0.02) * 1e8 * math.sqrt(2e4 / 2),
+    ]
+    assert plain.output_noise == pytest.approx(math.hypot(*parts), rel=0.05)  # and the film's resonance
+    told = run_skincad("circuit", "transimpedance", "-o", "two", cwd=tmp_path).stdout
+    assert "rails" not in told
+    assert "rest " not in told
 
 
 def test_a_branch_larger_than_the_film_and_a_slow_sampling_are_warnings() -> None:

@@ -34,6 +34,7 @@ from skincad.scenes import (
     simulate,
 )
 from skincad.shape import polygon
+from tests.circuit.networks import bought, needs_ngspice, vectors
 from tests.refusals import refused, refused_by, refused_command
 from tests.small_scene import THIRD, last_of_each, small_scene
 
@@ -177,6 +178,110 @@ def test_a_step_of_stress_gives_its_charge_in_all() -> None:
     assert np.trapezoid(output, dx=1e-5) == pytest.approx(charge * RESISTANCE, rel=1e-3)
     assert abs(output[-1]) < 1e-6 * np.abs(output).max()
     assert np.abs(output[:100]).max() == 0.0
+
+
+SUPPLY = load_circuit("single-supply")
+
+
+def push(load: float) -> np.ndarray:
+    """Across the film, MPa every 1e-5 s: on within 1 ms, held, off within 1 ms."""
+    return np.outer(
+        load * np.interp(np.arange(600), [0, 50, 150, 300, 400], [0, 0, 1, 1, 0]), [1.0, 0.0, 0.0]
+    )
+
+
+def test_an_amplifier_stops_at_its_rails_before_the_low_pass_and_says_so() -> None:
+    """A weak push is as without rails, to the last digit; a strong one stops at either rail."""
+    unlimited = SUPPLY.with_(amplifier={"rail_low": None, "rail_high": None})
+    weak, strong = push(0.02), push(0.5)
+    within, plain = (piezo_data(weak, 1e-5, circuit=c) for c in (SUPPLY, unlimited))
+    assert within["output_V"] == plain["output_V"]
+    assert (within["clipped_share"], within["clipped_strips"]) == (0.0, [])
+    assert (within["output_swing_V"], plain["output_swing_V"]) == (
+        pytest.approx([-1.63, 1.63], abs=1e-3),
+        [None] * 2,
+    )
+    assert within["output_offset_V"] == pytest.approx(0.5e-12 * 1e8, rel=1e-3)
+    clips, free = (piezo_data(strong, 1e-5, circuit=c) for c in (SUPPLY, unlimited))
+    output, linear = (np.array(data["output_V"]["1"]["S1"]) for data in (clips, free))
+    low, high = clips["output_swing_V"]
+    # a bounded signal behind two equal poles is as bounded; 0.1 % of what the network's steps round off
+    assert output.min() == pytest.approx(low, rel=1e-3)
+    assert output.max() == pytest.approx(high, rel=1e-3)
+    assert np.abs(linear).max() > 1.5 * high
+    (strip,) = clips["clipped_strips"]
+    assert (strip["ridge"], strip["strip"]) == (1, "S1")
+    assert strip["share_of_time"] == clips["clipped_share"]
+    at_rail = np.isclose(np.abs(output), high, rtol=5e-3).mean()
+    assert clips["clipped_share"] == pytest.approx(at_rail, abs=0.05)  # the low-pass takes 0.1 ms at each end
+    (warning,) = [text for text in clips["warnings"] if "rail" in text]
+    assert warning.startswith(
+        f"single-supply is driven to a rail: ridge 1 S1 for {clips['clipped_share']:.2g}"
+    )
+    needed = np.abs(linear).max() / high
+    assert f"would need {needed:.2g} times its swing" in warning
+    # as much less resistance and as much more capacitance is enough
+    less = {"feedback_resistance": 0.9e8 / needed, "feedback_capacitance": 1e-12 * needed / 0.9}
+    assert piezo_data(strong, 1e-5, circuit=SUPPLY.with_(amplifier=less))["clipped_share"] == 0.0
+
+
+@needs_ngspice
+@pytest.mark.evidence(subject="circuit: bought amplifier single-supply")
+@pytest.mark.parametrize("load", [0.02, 0.2, 0.5])
+def test_the_output_of_a_push_is_spices_with_the_makers_figures(tmp_path: Path, load: float) -> None:
+    """From the film's charge through the amplifier and its rails to two poles of 5 kHz."""
+    stress, time = push(load), np.arange(600) * 1e-5
+    circuit = fitted(SUPPLY, DESIGN)
+    charges = strip_charges(circuit, DESIGN, stress[:, None])[:, 0] / constants(circuit).d33
+    points = " ".join(f"{t!r} {x!r}" for t, x in zip(time.tolist(), charges.tolist(), strict=True))
+    pole = 1 / corner(WIDTH)
+    filters = ["Ef1 f1 0 vout 0 1", "Rf1 f1 f2 1", f"Cf1 f2 0 {pole!r}"]
+    filters += ["Ef2 f3 0 f2 0 1", "Rf2 f3 f4 1", f"Cf2 f4 0 {pole!r}"]
+    deck = [*bought(circuit, f"Vload load 0 PWL({points})"), *filters]
+    spice = vectors(tmp_path, deck, "tran 1u 5.99m 0 1u", ["v(f4)"])
+    there = np.interp(time, spice["time"], spice["v(f4)"])
+    output = np.array(piezo_data(stress, 1e-5, circuit=SUPPLY)["output_V"]["1"]["S1"])
+    # 2 % of the swing at a rail, as of an edge a step later; without one what the second pole leaves
+    within = 0.02 * 3.26 if load > 0.1 else 1e-3 * np.abs(output).max()
+    assert np.abs(output - (there - there[0])).max() < within
+
+
+def test_the_noise_of_an_amplifier_at_a_rail_does_not_take_it_beyond() -> None:
+    loud = SUPPLY.with_(noise={"voltage_density": 1e-5})
+    data = piezo_data(push(0.5), 1e-5, circuit=loud, noise_seed=1)
+    low, high = data["output_swing_V"]
+    output = np.array(data["output_V"]["1"]["S1"])
+    assert data["output_noise_V_rms"] > 0.01 * high
+    assert output.min() > 1.001 * low
+    assert output.max() < 1.001 * high
+    other = piezo_data(push(0.0), 1e-5, circuit=loud, noise_seed=1)["output_V"]["1"]["S1"]
+    assert np.std(other) == pytest.approx(data["output_noise_V_rms"], rel=0.5)
+
+
+def test_strips_at_a_rail_beyond_three_are_counted() -> None:
+    watched = ReaderContext(DESIGN, (1, 2), WIDTH)
+    rows = readings(push(0.5))
+    for row in rows:
+        row.films[1:4] = row.films[0] * np.array([[0.9], [0.8], [0.7]])
+    data = Piezo(circuit=SUPPLY).read(watched, np.arange(600) * 1e-5, rows)
+    assert [(s["ridge"], s["strip"]) for s in data["clipped_strips"]] == [
+        (1, "S1"),
+        (1, "S2"),
+        (2, "S1"),
+        (2, "S2"),
+    ]
+    assert any("ridge 2 S1 for" in text and "1 more for less" in text for text in data["warnings"])
+
+
+@pytest.mark.parametrize("samples", [range(601), (0, 1.3, 2, 3, 4.7, *range(5, 600))])
+def test_uneven_steps_stop_at_the_rails_too(samples: Sequence[float]) -> None:
+    at = np.array(samples)
+    stress = np.column_stack([np.interp(at, np.arange(600), push(0.5)[:, 0]), *np.zeros((2, at.size))])
+    data = Piezo(circuit=SUPPLY).read(ReaderContext(DESIGN, (1,), WIDTH), at * 1e-5, readings(stress))
+    output, even = np.array(data["output_V"]["1"]["S1"]), piezo_data(push(0.5), 1e-5, circuit=SUPPLY)
+    wanted = np.interp(at[:-1], np.arange(600), even["output_V"]["1"]["S1"])
+    # 2 % of the swing: other steps of the network, by which an edge of 0.1 ms comes a step later
+    assert np.abs(output[:-1] - wanted).max() < 0.02 * 3.26
 
 
 @pytest.mark.parametrize("seed", range(10))
