@@ -24,7 +24,7 @@ import numpy as np
 from skincad.base.errors import InputError
 from skincad.base.result import Record, Result, item, record, reported
 from skincad.circuit.bode import without_rig
-from skincad.circuit.model import Circuit, circuit_network, constants
+from skincad.circuit.model import UNLIMITED, Amplifier, Circuit, circuit_network, constants
 from skincad.circuit.network import PICO, Constants, network
 from skincad.circuit.response import decibels, response
 
@@ -191,6 +191,7 @@ def board(circuit: Circuit, strips: int | str | Sequence[str] = 8) -> Board:
     feedback = resistor(c.feedback_resistance, "feedback_resistance")
     if amplifier.topology not in DRAWN:
         raise InputError("amplifier.topology", f"must be {' or '.join(DRAWN)} on a board", amplifier.topology)
+    _check_rails(amplifier)
     follows = amplifier.topology == FOLLOWER
     bias = resistor(c.input_resistance, "input_resistance") if follows else None
     real = replace(
@@ -230,6 +231,23 @@ def board(circuit: Circuit, strips: int | str | Sequence[str] = 8) -> Board:
         test_frequency=test_frequency,
         test_gain=_test_gain(real, follows, test_frequency),
     )
+
+
+def _check_rails(amplifier: Amplifier) -> None:
+    """Raise InputError for rails that are not a board's; an amplifier without rails has no such keys."""
+    if amplifier.rails == UNLIMITED:
+        return
+    low, high = amplifier.rails
+    half = SUPPLY / 2
+    for key, value, (least, most) in (
+        ("rail_low", low, (0.0, half)),
+        ("reference", amplifier.reference, (0.95 * half, 1.05 * half)),
+        ("rail_high", high, (half, SUPPLY)),
+    ):
+        if not least <= value <= most:
+            rule = f"must be {least:.4g} to {most:.4g} V on a board of {SUPPLY:g} V"
+            shown = value if math.isfinite(value) else None
+            raise InputError(f"amplifier.{key}", rule, shown, "take those of single-supply: 0.02, 1.65, 3.28")
 
 
 def strip_names(strips: int | str | Sequence[str]) -> tuple[str, ...]:
