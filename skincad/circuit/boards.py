@@ -4,11 +4,11 @@ Every strip has a channel: header, a resistor, two diodes to the rails, a resist
 and a low-pass of one pole before the converter. All rest at half the supply, which a divider and a spare
 amplifier make. The strips' other faces rest there too, so that no constant voltage lies across a film.
 
-Sources of the parts: the makers' data sheets, as they were known in 2026. TI SBOS839 (TLV9064): bias current
-0.5 pA, offset at most 1.6 mV, 10 MHz, 130 dB, input 2 pF differential and 4 pF common. Nexperia, BAV199:
-leakage 3 pA, capacitance at most 2 pF a diode. Stackpole, HMC: E24 from 11 Mohm to 10 Gohm in size 1206.
-KEMET, C1030 (CBR): up to 100 pF in size 0603. Pins of the Teensy 4.1: PJRC, cores/teensy4/analog.c. Nothing
-was ordered: a number is made by its maker's rule for order codes.
+Sources of the parts. Checked 2026-11 on copies of the makers' sheets: NXP 2001-10-12, BAV199: 3 pA typical,
+4 A for 1 us, pins; Infineon 2004-03-10, BAV199: 2 pF typical; Stackpole 2018-08-20, HMC: E24 up to 10 Gohm
+in size 1206; KEMET C1030, CBR: codes, and 0.1 to 100 pF; PJRC, analog.c: inputs of the Teensy 4.1. Not
+checked, as of the maker's data sheet: TI SBOS839, TLV9064: 0.5 pA, at most 1.6 mV, 10 MHz, 130 dB, 2 pF
+differential and 4 pF common. Nothing was ordered: a number is made by its maker's rule for order codes.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ GND, SOURCE, RAIL, MIDDLE = "GND", "+3V3", "+3V3A", "MID"  # nets; the rail is t
 OPAMP_GAIN, OPAMP_BANDWIDTH = 10**6.5, 10e6  # 1, Hz; source: SBOS839
 OPAMP_COMMON, OPAMP_DIFFERENTIAL = 4e-12, 2e-12  # F, source: SBOS839
 OPAMP_BIAS, OPAMP_OFFSET = 0.5e-12, 1.6e-3  # A typical, V at most; source: SBOS839
-CLAMP_LEAKAGE, CLAMP_CAPACITANCE = 3e-12, 2 * 2e-12  # A typical, F of two diodes; source: Nexperia, BAV199
+CLAMP_LEAKAGE, CLAMP_CAPACITANCE = 3e-12, 2 * 2e-12  # A and F of two diodes, typical; source: NXP, Infineon
 UNITS = 4  # amplifiers in one TLV9064
 FOLLOWER = "follower"
 DRAWN = ("inverting", FOLLOWER)  # topologies that have a drawing
@@ -44,7 +44,7 @@ DRAWN = ("inverting", FOLLOWER)  # topologies that have a drawing
 RATES = (100.0, 50e3)  # Hz; above, a converter of 1 MS/s has too little time for 9 inputs one after another
 PASS = 0.8  # of the Nyquist frequency: the low-pass's corner, to which a recording is true (circuit/state.py)
 SPARK = 8e3  # V, source: IEC 61000-4-2, contact, level 4
-PROTECTION = SPARK / 4.0  # ohm before the diodes, which stand 4 A for 1 us; source: Nexperia, BAV199
+PROTECTION = SPARK / 4.0  # ohm before the diodes, which stand 4 A for 1 us; source: NXP, BAV199
 PROBE = 10e-12  # F, assumption: the capacitor through which a finished channel is tested
 STEADY = 60.0  # deg of phase margin that a capacitor is chosen for
 RINGING = 45.0  # deg, below which a capacitor that a circuit names is refused
