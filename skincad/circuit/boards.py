@@ -4,11 +4,11 @@ Every strip has a channel: header, a resistor, two diodes to the rails, a resist
 and a low-pass of one pole before the converter. All rest at half the supply, which a divider and a spare
 amplifier make. The strips' other faces rest there too, so that no constant voltage lies across a film.
 
-Sources of the parts: the makers' data sheets, as they were known in 2026. TI SBOS839 (TLV9064): bias current
-0.5 pA, offset at most 1.6 mV, 10 MHz, 130 dB, input 2 pF differential and 4 pF common. Nexperia, BAV199:
-leakage 3 pA, capacitance at most 2 pF a diode. Stackpole, HMC: E24 from 11 Mohm to 10 Gohm in size 1206.
-KEMET, C1030 (CBR): up to 100 pF in size 0603. Pins of the Teensy 4.1: PJRC, cores/teensy4/analog.c. Nothing
-was ordered: a number is made by its maker's rule for order codes.
+Sources of the parts. Checked 2026-11 on copies of the makers' sheets: NXP 2001-10-12, BAV199: 3 pA typical,
+4 A for 1 us, pins; Infineon 2004-03-10, BAV199: 2 pF typical; Stackpole 2018-08-20, HMC: E24 up to 10 Gohm
+in size 1206; KEMET C1030, CBR: codes, and 0.1 to 100 pF; PJRC, analog.c: inputs of the Teensy 4.1. Not
+checked, as of the maker's data sheet: TI SBOS839, TLV9064: 0.5 pA, at most 1.6 mV, 10 MHz, 130 dB, 2 pF
+differential and 4 pF common. Nothing was ordered: a number is made by its maker's rule for order codes.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import numpy as np
 from skincad.base.errors import InputError
 from skincad.base.result import Record, Result, item, record, reported
 from skincad.circuit.bode import without_rig
-from skincad.circuit.model import Circuit, circuit_network, constants
+from skincad.circuit.model import UNLIMITED, Amplifier, Circuit, circuit_network, constants
 from skincad.circuit.network import PICO, Constants, network
 from skincad.circuit.response import decibels, response
 
@@ -36,17 +36,15 @@ GND, SOURCE, RAIL, MIDDLE = "GND", "+3V3", "+3V3A", "MID"  # nets; the rail is t
 OPAMP_GAIN, OPAMP_BANDWIDTH = 10**6.5, 10e6  # 1, Hz; source: SBOS839
 OPAMP_COMMON, OPAMP_DIFFERENTIAL = 4e-12, 2e-12  # F, source: SBOS839
 OPAMP_BIAS, OPAMP_OFFSET = 0.5e-12, 1.6e-3  # A typical, V at most; source: SBOS839
-CLAMP_LEAKAGE, CLAMP_CAPACITANCE = 3e-12, 2 * 2e-12  # A typical, F of two diodes; source: Nexperia, BAV199
+CLAMP_LEAKAGE, CLAMP_CAPACITANCE = 3e-12, 2 * 2e-12  # A and F of two diodes, typical; source: NXP, Infineon
 UNITS = 4  # amplifiers in one TLV9064
 FOLLOWER = "follower"
 DRAWN = ("inverting", FOLLOWER)  # topologies that have a drawing
 
 RATES = (100.0, 50e3)  # Hz; above, a converter of 1 MS/s has too little time for 9 inputs one after another
-PASS = (
-    0.8  # of the Nyquist frequency: the low-pass's corner; the band that a recording keeps (circuit/state.py)
-)
+PASS = 0.8  # of the Nyquist frequency: the low-pass's corner, to which a recording is true (circuit/state.py)
 SPARK = 8e3  # V, source: IEC 61000-4-2, contact, level 4
-PROTECTION = SPARK / 4.0  # ohm before the diodes, which stand 4 A for 1 us; source: Nexperia, BAV199
+PROTECTION = SPARK / 4.0  # ohm before the diodes, which stand 4 A for 1 us; source: NXP, BAV199
 PROBE = 10e-12  # F, assumption: the capacitor through which a finished channel is tested
 STEADY = 60.0  # deg of phase margin that a capacitor is chosen for
 RINGING = 45.0  # deg, below which a capacitor that a circuit names is refused
@@ -54,9 +52,7 @@ CLOSE = 1.0  # dB by which the board's gain may differ from the circuit's up to 
 
 E24 = (10, 11, 12, 13, 15, 16, 18, 20, 22, 24, 27, 30, 33, 36, 39, 43, 47, 51, 56, 62, 68, 75, 82, 91)
 E96 = tuple(round(100 * 10 ** (k / 96)) for k in range(96))  # source: IEC 60063
-TENTHS = tuple(
-    0.1 * n for n in range(3, 10)
-)  # pF, steps below 1 pF; less is lost in what a board adds, 0.1 pF
+TENTHS = tuple(0.1 * n for n in range(3, 10))  # pF, steps below 1 pF; less is lost in a board's own 0.1 pF
 ORDINARY, HIGH = 10e6, 10e9  # ohm: the largest of ordinary chips, and of those of high resistance
 
 # The analogue inputs of a Teensy 4.1: name, pin, converter. Some hang on one converter alone. In this order
@@ -195,6 +191,7 @@ def board(circuit: Circuit, strips: int | str | Sequence[str] = 8) -> Board:
     feedback = resistor(c.feedback_resistance, "feedback_resistance")
     if amplifier.topology not in DRAWN:
         raise InputError("amplifier.topology", f"must be {' or '.join(DRAWN)} on a board", amplifier.topology)
+    _check_rails(amplifier)
     follows = amplifier.topology == FOLLOWER
     bias = resistor(c.input_resistance, "input_resistance") if follows else None
     real = replace(
@@ -215,7 +212,8 @@ def board(circuit: Circuit, strips: int | str | Sequence[str] = 8) -> Board:
             remedy = f"--set amplifier.feedback_capacitance={across.value:g}: without it the amplifier rings"
             rule += f", with {across.text}F beside {feedback.text}"
             raise InputError("amplifier.feedback_capacitance", rule, 0.0, remedy)
-        raise InputError("circuit", rule, circuit.name, "take values of the E24 series, or a lower rate")
+        own = f"gain={OPAMP_GAIN:.2g}, gain_bandwidth={OPAMP_BANDWIDTH:g}, input_capacitance=1e-11"
+        raise InputError(circuit.name, rule, remedy=f"give its amplifier a TLV9064's {own}, and parts of E24")
     keys = ["series_resistance", "feedback_resistance", "feedback_capacitance"]
     keys += ["input_resistance"] * follows
     test_frequency = float(f"{corner / 10:.1g}")
@@ -233,6 +231,23 @@ def board(circuit: Circuit, strips: int | str | Sequence[str] = 8) -> Board:
         test_frequency=test_frequency,
         test_gain=_test_gain(real, follows, test_frequency),
     )
+
+
+def _check_rails(amplifier: Amplifier) -> None:
+    """Raise InputError for rails that are not a board's; an amplifier without rails has no such keys."""
+    if amplifier.rails == UNLIMITED:
+        return
+    low, high = amplifier.rails
+    half = SUPPLY / 2
+    for key, value, (least, most) in (
+        ("rail_low", low, (0.0, half)),
+        ("reference", amplifier.reference, (0.95 * half, 1.05 * half)),
+        ("rail_high", high, (half, SUPPLY)),
+    ):
+        if not least <= value <= most:
+            rule = f"must be {least:.4g} to {most:.4g} V on a board of {SUPPLY:g} V"
+            shown = value if math.isfinite(value) else None
+            raise InputError(f"amplifier.{key}", rule, shown, "take those of single-supply: 0.02, 1.65, 3.28")
 
 
 def strip_names(strips: int | str | Sequence[str]) -> tuple[str, ...]:
@@ -262,14 +277,11 @@ def resistor(value: float, key: str) -> Chip:
     """Return the nearest resistor to a value in ohm; raises InputError, of `amplifier.<key>`, beyond 1 ohm to
     10 Gohm."""
     if not 1.0 <= value <= HIGH:
-        rule = f"must be 1 to {HIGH:g} ohm on a board"
-        raise InputError(
-            f"amplifier.{key}", rule, value, f"--set amplifier.{key}={min(max(value, 1), HIGH):g}"
-        )
+        remedy = f"--set amplifier.{key}={min(max(value, 1), HIGH):g}"
+        raise InputError(f"amplifier.{key}", f"must be 1 to {HIGH:g} ohm on a board", value, remedy)
     if value <= ORDINARY:
         value = _nearest(value, E96)
-        code = _code(value, "RKM")
-        return Chip(value, _printed(value), R0603, "Yageo", f"RC0603FR-07{code}L")
+        return Chip(value, _printed(value), R0603, "Yageo", f"RC0603FR-07{_code(value)}L")
     value = max(_nearest(value, E24), 11e6)
     high, letter = (value / 1e9, "G") if value >= 1e9 else (value / 1e6, "M")
     digits = f"{high:.2f}" if high < 10 else f"{high:.1f}" if high < 100 else f"{high:.0f}."
@@ -282,10 +294,8 @@ def capacitor(value: float, key: str) -> Chip:
     beyond 0.3 pF to 10 nF."""
     pico = value / PICO
     if not TENTHS[0] * (1 - 1e-9) <= pico <= 1e4 * (1 + 1e-9):
-        rule = "must be 0 or 0.3e-12 to 1e-8 F on a board"
-        raise InputError(
-            f"amplifier.{key}", rule, value, f"--set amplifier.{key}={0.3e-12 if pico < 1 else 1e-8:g}"
-        )
+        remedy = f"--set amplifier.{key}={0.3e-12 if pico < 1 else 1e-8:g}"
+        raise InputError(f"amplifier.{key}", "must be 0 or 0.3e-12 to 1e-8 F on a board", value, remedy)
     if pico < 0.95:
         pico = min(TENTHS, key=lambda step: abs(step - pico))
         digits = f"{round(100 * pico)}8"
@@ -319,11 +329,11 @@ def _printed(value: float) -> str:
     return f"{value / 10.0**power:.4g}{PREFIXES[power]}"
 
 
-def _code(value: float, letters: str) -> str:
+def _code(value: float) -> str:
     """A resistance as IEC 60062 writes it: the letter stands for the point, as 4K99."""
     power = max(0, min(2, math.floor(math.log10(value) / 3 + 1e-9)))
     whole, _, part = f"{value / 1000**power:.4g}".partition(".")
-    return f"{whole}{letters[power]}{part}"
+    return f"{whole}{'RKM'[power]}{part}"
 
 
 def _low_pass(circuit: Circuit) -> tuple[float, float, tuple[Chip, Chip]]:
@@ -346,21 +356,20 @@ def _low_pass(circuit: Circuit) -> tuple[float, float, tuple[Chip, Chip]]:
 def _feedback_capacitor(c: Constants, topology: str) -> Chip:
     """The capacitor beside the feedback's resistor: the circuit's, or the least that keeps it steady."""
     key = "feedback_capacitance"
-    steps = [step * PICO for step in (*TENTHS, *(e * 10.0**n for n in range(-1, 2) for e in E24))]
 
     def margin(chip: Chip) -> float:
         return _phase_margin(replace(c, feedback_capacitance=chip.value), topology)
 
-    chips = (capacitor(step, key) for step in steps)
-    if not c.feedback_capacitance:
-        return next(chip for chip in chips if margin(chip) >= STEADY)
-    chip = capacitor(c.feedback_capacitance, key)
-    if margin(chip) < RINGING:
-        least = next(other for other in chips if margin(other) >= STEADY)
-        rule = f"leaves the amplifier a phase margin of {margin(chip):.0f} degrees, of at least {RINGING:g}"
-        remedy = f"--set amplifier.{key}={least.value:g}"
-        raise InputError(f"amplifier.{key}", rule, c.feedback_capacitance, remedy)
-    return chip
+    given = capacitor(c.feedback_capacitance, key) if c.feedback_capacitance else None
+    if given and margin(given) >= RINGING:
+        return given
+    steps = (step * PICO for step in (*TENTHS, *(e * 10.0**n for n in range(-1, 3) for e in E24)))
+    least = next((chip for step in steps if margin(chip := capacitor(step, key)) >= STEADY), None)
+    if least and not given:
+        return least
+    rule = f"leaves the amplifier less than {RINGING:g} degrees of phase margin"
+    remedy = f"--set amplifier.{key}={least.value:g}" if least else "take less capacitance at the input"
+    raise InputError(f"amplifier.{key}", rule, c.feedback_capacitance, remedy)
 
 
 def _phase_margin(c: Constants, topology: str) -> float:
@@ -369,7 +378,7 @@ def _phase_margin(c: Constants, topology: str) -> float:
     The divider lies between the feedback's impedance and the input's: of the inverting input the film behind
     its resistor, diodes and chip, of a follower's inverting input the chip alone.
     """
-    s = np.asarray(2j * np.pi * np.geomspace(1e2, 10 * c.gain_bandwidth, 4000), np.complex128)
+    s = np.asarray(2j * np.pi * np.geomspace(1e-6, 10 * c.gain_bandwidth, 8000), np.complex128)
     back = 1 / (1 / c.feedback_resistance + s * c.feedback_capacitance)
     if topology == FOLLOWER:
         ahead = 1 / (s * (OPAMP_COMMON + OPAMP_DIFFERENTIAL))

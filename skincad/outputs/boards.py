@@ -20,6 +20,7 @@ from skincad.circuit.boards import (
     BoardPart,
     unit,
 )
+from skincad.circuit.model import UNLIMITED
 from skincad.fabrication.papers import macro
 from skincad.outputs.delivery import Presentation, text
 from skincad.outputs.drawing.schematic import schematic
@@ -105,6 +106,7 @@ FACTS = {
     "SPARK": SPARK,
     "SUPPLY": SUPPLY,
     "UNITS": UNITS,
+    "UNLIMITED": UNLIMITED,
     "PARTS": PARTS,
     "CHANNELS": CHANNELS,
     "PAGE": PAGE,

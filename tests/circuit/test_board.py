@@ -34,7 +34,7 @@ from tests.refusals import refused, refused_by, refused_command
 
 AT_5_KHZ = "sampling.rate=5000"
 CIRCUITS = {  # a board of each topology, and of each amplifier that ships
-    "rate": ("transimpedance", AT_5_KHZ, "amplifier.feedback_capacitance=1e-12"),
+    "rate": ("single-supply",),
     "charge": ("charge-amplifier", AT_5_KHZ),
     "follower": ("voltage-follower", AT_5_KHZ),
     "paper": ("yamada-2002",),
@@ -205,6 +205,20 @@ def test_a_circuit_that_no_part_gives_is_refused(setting: str, start: str) -> No
 
 
 @pytest.mark.parametrize(
+    ("setting", "start"),
+    [
+        ("amplifier.rail_high=5", "amplifier.rail_high: must be 1.65 to 3.3 V on a board of 3.3 V, got 5"),
+        ("amplifier.rail_high=none", "amplifier.rail_high: must be 1.65 to 3.3 V"),
+        ("amplifier.rail_low=-1", "amplifier.rail_low: must be 0 to 1.65 V"),
+        ("amplifier.reference=1", "amplifier.reference: must be 1.567 to 1.732 V"),
+    ],
+)
+def test_rails_of_another_supply_are_refused(setting: str, start: str) -> None:
+    with refused_by(start):
+        board(load_circuit("single-supply", [setting]))
+
+
+@pytest.mark.parametrize(
     ("strips", "words"),
     [(3, "must be 4 to 16, got 3"), ("17", "must be 4 to 16, got 17"), (-4, "must be 4 to 16"),
      ("2S1,2S2,3S1", "must name 4 to 16 strips, got 3"), ("2S1,2S1,3S1,3S2", "must name each strip once"),
@@ -239,6 +253,7 @@ def test_the_command_writes_the_board_beside_the_gain(tmp_path: Path) -> None:
     assert len(files["board.md"].split()) < 700  # a page
     said = run_skincad(*line, cwd=tmp_path).stdout  # again, over the same files
     assert "voltage-follower: a board for 5 strips, 1S1 to 3S1, on 3.3 V." in said
+    assert "the circuit names no rails" in said
     assert {path.name: path.read_bytes() for path in (tmp_path / "amp").iterdir()} == files
 
 

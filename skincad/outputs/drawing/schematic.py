@@ -32,7 +32,6 @@ class Symbol:
     angle: int = 0
     unit: int = 1
     part: BoardPart | None = None
-    count: int = 0  # of pins
 
 
 @dataclass
@@ -67,9 +66,8 @@ class _Pen:
 
     def part(self, reference: str, x: float, y: float, angle: int = 0, number: int = 1) -> None:
         part = self.parts[reference]
-        count = len(part.nets)
         at = self.spot(x, y)
-        self.sheet.symbols.append(Symbol(part.kind, reference, part.value, at, angle, number, part, count))
+        self.sheet.symbols.append(Symbol(part.kind, reference, part.value, at, angle, number, part))
 
     def supply(self, net: str, x: float, y: float) -> None:
         """A supply's symbol, or for "flag" the mark that power comes in here."""
