@@ -9,19 +9,20 @@ scenes of the design set, on which the rule was chosen.
 from __future__ import annotations
 
 import argparse
-from itertools import combinations
 from pathlib import Path
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 import skincad
 from bench.exam.__main__ import FEWEST, SEEDS, marks, warnings
-from bench.exam.scenes import Skin, kept
+from bench.exam.scenes import SceneRun, Skin, kept
 from bench.exam.scoring import HEAD, case, line
 from skincad.scenes import POINTS
 
 CIRCUIT = "transimpedance"
 FEWEST_RIDGES = 3  # of which two are a choice
+ANY = 8  # pairs at random of each scene
 Pairs = list[tuple[int, ...]]
 
 
@@ -31,14 +32,12 @@ def first_two(skin: Skin) -> tuple[int, ...]:
     return tuple(sorted(wired[:2]))
 
 
-def choices(skin: Skin) -> dict[str, Pairs]:
-    """Return ridges by the name of a choice; several pairs count as one choice at random."""
-    n = skin.design.ridge.count
-    every: Pairs = list(combinations(range(1, n + 1), 2))
+def choices(scene: SceneRun, first: tuple[int, ...]) -> dict[str, Pairs]:
+    """Return ridges by the name of a choice, as many in each scene; `first` are those to wire first."""
+    n, draw = scene.slipping.shape[1], np.random.default_rng(scene.seed)
     return {
-        "wire_first": [first_two(skin)],
-        "any two": every,
-        "any two neighbours": [(i, i + 1) for i in range(1, n)],
+        "wire_first": [first],
+        "any two": [tuple(sorted((draw.permutation(n)[:2] + 1).tolist())) for _ in range(ANY)],
         "the outermost two": [(1, n)],
         "two at one side": [(1, 2), (n - 1, n)],
         "2 and 3, the paper's": [(2, 3), (n - 2, n - 1)],
@@ -59,9 +58,11 @@ def main() -> None:
     slips = sum(scene.gross is not None for scene in scenes)
     print(f"seeds from {options.first}: {len(scenes)} scenes, {slips} slip; behind {CIRCUIT}\n{HEAD}")
     cases = [case(scene, CIRCUIT, options.folder / "outputs") for scene in scenes]
-    by_skin = {scene.skin.name: choices(scene.skin) for scene in scenes}
-    for name in next(iter(by_skin.values())):
-        told = [one.told(pair) for one in cases for pair in by_skin[one.scene.skin.name][name]]
+    skins = {scene.skin.name: scene.skin for scene in scenes}
+    first = {name: first_two(skin) for name, skin in skins.items()}
+    by_scene = [choices(scene, first[scene.skin.name]) for scene in scenes]
+    for name in by_scene[0]:
+        told = [one.told(pair) for one, pairs in zip(cases, by_scene, strict=True) for pair in pairs[name]]
         for kind in POINTS:
             print(line(f"{name}: {kind}", marks(told, warnings(kind), SEEDS)), flush=True)
 

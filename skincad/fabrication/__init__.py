@@ -15,7 +15,7 @@ __getattr__, __dir__ = face(
     estimates: by_part
     fasteners: major mount_of
     filling: filling_findings
-    films: CUTTERS FilmOffer FilmOffers Layer bending film_offers
+    films: CUTTERS FilmOffer FilmOffers Ply bending film_offers
     findings: design_findings mount_findings
     job: Job
     machine_rules: extent laid_on_end left_standing on_end overhang

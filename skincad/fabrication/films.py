@@ -64,14 +64,14 @@ def pattern_cutter(film: Film, width: float) -> Cutter:
     return next((c for c in CUTTERS[first:-1] if c.tolerance <= bare + ROUNDING), CUTTERS[-1])
 
 
-class Layer(NamedTuple):
-    """Of a strip: mm and MPa."""
+class Ply(NamedTuple):
+    """A layer of a strip: mm and MPa."""
 
     thickness: float
     modulus: float
 
 
-def bending(layers: Sequence[Layer]) -> tuple[float, float]:
+def bending(layers: Sequence[Ply]) -> tuple[float, float]:
     """Return the bending stiffness of bonded layers a mm of width, N mm, and how far their neutral layer lies
     above the lowest face, mm."""
     middles, top = [], 0.0
@@ -175,9 +175,9 @@ def _offer(name: str, row: FilmProduct, margins: Film, film: Film | None, takes:
     obstacles = list[str]()
     if gauge is not None:
         sheet = gauge + extra
-        half = Layer(row.coat / 2, margins.young_modulus)
-        bare = Layer(gauge, margins.young_modulus)
-        stiff, neutral = bending([Layer(row.laminate, POLYESTER_MODULUS), half, bare, half])
+        half = Ply(row.coat / 2, margins.young_modulus)
+        bare = Ply(gauge, margins.young_modulus)
+        stiff, neutral = bending([Ply(row.laminate, POLYESTER_MODULUS), half, bare, half])
         ratio = stiff / bending([bare])[0]
         offset = abs(row.laminate + row.coat / 2 + gauge / 2 - neutral)
         named = {

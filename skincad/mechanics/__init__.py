@@ -48,6 +48,6 @@ __getattr__, __dir__ = face(
         SizeError check_pad pad_of solid_pad_of
     validity: LARGEST_STRAIN Limits crown_radius limits material_warnings plane_modulus
         refuse_crushed ridge_strain small_strain_violation tipping
-    verdict: Change ContactCheck NO_MODEL NextModel is_decided
+    verdict: Change ContactCheck NO_MODEL NextModel is_decided wiring_order
     """,
 )

@@ -15,7 +15,7 @@ from skincad.fabrication import (
     FilmOffer,
     FilmOffers,
     Job,
-    Layer,
+    Ply,
     bending,
     electrode_findings,
     film_offers,
@@ -42,12 +42,12 @@ def offer(films: FilmOffers, name: str) -> FilmOffer:
 def test_a_beam_of_layers_bends_as_by_hand() -> None:
     """One layer: E t^3 / 12. Two: the bimetal strip's closed form (Timoshenko, J. Opt. Soc. Am. 11, 1925,
     233). Three: the integral of E (z - n)^2, summed finely."""
-    film, polyester = Layer(0.028, 3000.0), Layer(0.125, 4000.0)
+    film, polyester = Ply(0.028, 3000.0), Ply(0.125, 4000.0)
     assert bending([film]) == pytest.approx((3000 * 0.028**3 / 12, 0.014), rel=1e-12)
     (a, p), (b, q) = polyester, film
     closed = (p * a**3 + q * b**3) / 12 + p * a * q * b / (p * a + q * b) * ((a + b) / 2) ** 2
     assert bending([polyester, film])[0] == pytest.approx(closed, rel=1e-12)
-    layers = [polyester, Layer(0.006, 9000.0), film]
+    layers = [polyester, Ply(0.006, 9000.0), film]
     height, edges = 0.0, [0.0]
     for layer in layers:
         height += layer.thickness

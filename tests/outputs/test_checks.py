@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 
 from skincad import Estimate, check, load
-from skincad.mechanics import Change, ContactCheck
-from skincad.mechanics.verdict import wiring_order
+from skincad.mechanics import Change, ContactCheck, wiring_order
 from skincad.outputs import ACCURACY, CHECK
 from skincad.studies import Ladder, Measurement, measures_of
 from tests.conftest import skincad_process

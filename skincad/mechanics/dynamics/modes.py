@@ -99,7 +99,7 @@ def slow_modes(
     return Modes(
         frequency=frequency[slowest],
         points=points[:, slowest],
-        strips=stress[:, slowest].reshape(-1, 3, slowest.size),
+        strips=stress[:, slowest].reshape(stress.shape[0] // 3, 3, slowest.size),
         x=x,
         ridge=ridge,
         shapes=tuple((of, shape) for of, (_, _, shape) in zip(places, by_half, strict=True)),

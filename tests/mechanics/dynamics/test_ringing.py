@@ -82,6 +82,8 @@ def test_what_a_step_cannot_advance_is_not_looked_for() -> None:
     assert 0 < fewer.frequency.size < modes().frequency.size
     some, every = (mech.resolved(of, pad.compliance, 3e-4) for of in (fewer, modes()))
     assert some.frequency == pytest.approx(every.frequency, rel=1e-6)  # the eigenvalues' tolerance
+    none = mech.slow_modes(piece, mesh, ORDER, True, pad.pad.x, pad.pad.ridge, 1.0)
+    assert none.strips.shape == (modes().strips.shape[0], 3, 0)
 
 
 @pytest.mark.parametrize("dt", [1e-6, 1e-4, 3e-3])

@@ -19,7 +19,6 @@ from skincad.inputs import Design
 from skincad.mechanics.bodies import elements, film_field, mesh
 from skincad.mechanics.film import stick
 from skincad.mechanics.film import stress as film_refinements
-from skincad.mechanics.verdict import wiring_order
 from skincad.shape import Point, Section, SensorPlace
 from tests.designs import template
 from tests.mechanics.bodies.test_elements import block
@@ -112,7 +111,7 @@ def test_the_ridges_that_bear_most_feel_most_of_a_pull(name: str) -> None:
     a_newton = (values(pulled.differential) - values(normal.differential)) / values(pulled.ridge_tangential)
     at_slip = a_newton * values(normal.ridge_force)  # by friction
     order = np.argsort(-at_slip, kind="stable")
-    assert wiring_order(normal.ridge_force) == (5, 4, 6, 3, 7, 2, 8, 1, 9)
+    assert mech.wiring_order(normal.ridge_force) == (5, 4, 6, 3, 7, 2, 8, 1, 9)
     assert order[0] + 1 == 5
     for k in range(1, 9, 2):  # a pair left and right of the middle is alike, but for the pull's direction
         assert {*(order[k : k + 2] + 1).tolist()} == {5 - (k + 1) // 2, 5 + (k + 1) // 2}
