@@ -27,6 +27,7 @@ RATE = 5000.0  # Hz
 DESIGN = "yamada-2002"
 LOUD = 3.0  # of the detector's noise
 EVERY_SECONDS = 0.01  # a board's USB sends so often
+BUFFERED = 500  # samples, of the board
 
 
 def write(descriptor: int, ridges: int) -> None:
@@ -40,6 +41,7 @@ def write(descriptor: int, ridges: int) -> None:
     while True:
         due = round((time.monotonic() - began) * RATE)
         header = f"{head}\n" if sent // size != due // size or not sent else ""
+        sent = max(sent, due - BUFFERED)  # what a board cannot hand on for longer is lost
         lines = "".join(f"{k}{tails[k % size]}\n" for k in range(sent, due))
         data = memoryview((header + lines).encode())
         while data:
@@ -75,12 +77,14 @@ def listened(channels: int, seconds: float) -> dict[str, float]:
         listener.stderr.readline()  # it has heard half a second
         time.sleep(seconds)
         listener.send_signal(signal.SIGINT)
-        lines, _ = listener.communicate()
+        lines, words = listener.communicate()
     writer.kill()
     writer.wait()
     os.close(board)
     os.close(port)
-    end: dict[str, float] = json.loads(lines.splitlines()[-1])
+    end: dict[str, float] = json.loads(lines.splitlines()[-1]) if lines else {}
+    if end.get("why") != "interrupted":
+        raise RuntimeError(words)
     return end
 
 

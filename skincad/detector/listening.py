@@ -148,9 +148,11 @@ def port_blocks(wire: Wire, chunks: Chunks) -> Iterator[Block]:
     """Yield the blocks of a stream in real time, and measure its rate by the clock.
 
     Raises InputError for a rate that is not the detector's: by RATE_TOLERANCE, and by LATE over the time for
-    which it was measured, which is one without a pause of LATE. Raises it too where bytes come but no header.
+    which it was measured. That is one without a pause of LATE; after a pause, twice as long is left out, in
+    which what waited may be caught up. Raises it too where bytes come but no header.
     """
-    began, last, first = math.inf, math.inf, None
+    began = ready = last = math.inf
+    first: tuple[float, float] | None = None
     for data in chunks:
         now, blocks = monotonic(), wire.push(data)
         began = min(began, now)
@@ -158,9 +160,9 @@ def port_blocks(wire: Wire, chunks: Chunks) -> Iterator[Block]:
             remedy = f"let the board send it once a second; {wire.wanted()}"
             raise InputError(wire.name, f"must send a header within {HEADER:g} s", remedy=remedy)
         if now - last > LATE or any(block.begins for block in blocks):
-            first = None  # the stream halted, or this machine is busy: what waits in buffers comes first
+            first, ready = None, now + max(RATE_AFTER, 2 * (now - last))
         last = now
-        if blocks and not wire.timed:
+        if blocks and not wire.timed and now > ready:
             number = float(blocks[-1].numbers[-1])
             first = first or (now, number)
             seconds = now - first[0]

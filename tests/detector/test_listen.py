@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -214,9 +215,12 @@ def board(*pieces: bytes) -> Iterator[tuple[str, Callable[[], None]]]:
         os.close(ours)
 
 
-def heard(line: tuple[str, Callable[[], None]], recording: RecordingFile) -> tuple[list[dict[str, Any]], str]:
+def heard(
+    line: tuple[str, Callable[[], None]], recording: RecordingFile, monkeypatch: pytest.MonkeyPatch
+) -> tuple[list[dict[str, Any]], str]:
     """What is said of a port until it is silent for 0.3 s, and the error that ends it."""
     port, begin = line
+    monkeypatch.setattr("skincad.detector.listening.RATE_AFTER", math.inf)  # it sends as fast as it can
     detector = made()
     events: list[dict[str, Any]] = []
     wire, chunks = wire_of(detector, "board", noisy=True), port_chunks(port, 115_200, 0.3)
@@ -226,7 +230,9 @@ def heard(line: tuple[str, Callable[[], None]], recording: RecordingFile) -> tup
     return events, str(end.value)
 
 
-def test_a_port_is_heard_until_it_stalls_and_its_recording_heard_again(tmp_path: Path) -> None:
+def test_a_port_is_heard_until_it_stalls_and_its_recording_heard_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     values = felt()
     lines = board_lines(values).encode()
     head = lines[: lines.index(b"\n") + 1]
@@ -234,7 +240,7 @@ def test_a_port_is_heard_until_it_stalls_and_its_recording_heard_again(tmp_path:
     half = lines.index(b"\n", len(lines) // 2) + 1
     with board(noise, lines[:half], head, b"alarm,999,incipient slip,3\n# hot\n", lines[half:]) as line:
         recording = RecordingFile(tmp_path / "film.csv", "a board", RATE)
-        (*events, end), words = heard(line, recording)
+        (*events, end), words = heard(line, recording, monkeypatch)
     assert words.startswith(f"{line[0]}: must not be silent for 0.3 s; see to the board's power")
     assert alarms_in(events, 777) == expected(values)
     (own,) = [event for event in events if event["kind"] == "board alarm"]
@@ -267,11 +273,13 @@ def test_a_port_that_ends_or_sends_no_header_is_said() -> None:
 
 @pytest.mark.parametrize(("rate", "good"), [(RATE, True), (1.01 * RATE, True), (1.05 * RATE, False)])
 def test_a_ports_rate_is_measured_by_the_clock(rate: float, good: bool) -> None:
-    """Ten seconds in which a sample waits up to LATE; a pause of the machine is no other rate."""
+    """Samples that wait up to LATE, a pause, and what is caught up after it are no other rate."""
     wire, dice = wire_of(made(), "board", noisy=True), np.random.default_rng(3)
-    pieces = np.concatenate([np.arange(0, 6, 0.02), np.arange(9, 16, 0.02)])
-    late = pieces + dice.uniform(0, 0.04, pieces.size)
+    pieces = np.concatenate([np.arange(0, 8, 0.02), np.arange(8, 10, 0.05), np.arange(10, 16, 0.02)])
+    late = pieces + dice.uniform(0, 0.019, pieces.size)
     late[300:305] += 0.05
+    late[400:440] = 10 + 0.02 * np.arange(40)  # it waited for 2 s, and comes in 0.8
+    late[440:] += 1.0
     counts = [0, *(rate * pieces).astype(int) + 1]
     lines = ["".join(f"{k}{',1.65' * 6}\n" for k in range(a, b)).encode() for a, b in pairwise(counts)]
     lines[0] = f"sample,{HEADER}\n".encode() + lines[0]
@@ -288,7 +296,9 @@ def test_a_ports_rate_is_measured_by_the_clock(rate: float, good: bool) -> None:
         check_rate("board", 5200.4, RATE)
 
 
-def test_a_full_disk_ends_the_recording_with_a_whole_line(tmp_path: Path) -> None:
+def test_a_full_disk_ends_the_recording_with_a_whole_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """And not the detector."""
     recording = RecordingFile(tmp_path / "film.csv", "a board", RATE)
     values = felt()
@@ -317,7 +327,7 @@ def test_a_full_disk_ends_the_recording_with_a_whole_line(tmp_path: Path) -> Non
     recording._open = full  # type: ignore[method-assign]
     lines = board_lines(values).encode()
     with board(lines) as line:
-        events, _ = heard(line, recording)
+        events, _ = heard(line, recording, monkeypatch)
     sent = (tmp_path / "film.csv").read_bytes()
     assert recording.failure == "No space left on device"
     assert sent.endswith(b"\n")
