@@ -6,6 +6,10 @@
 
 #include "skincad_weights.h"
 
+#ifdef __FAST_MATH__
+#error "without -ffast-math, please: it drops what the running means carry, and tests for numbers that are not finite"
+#endif
+
 #define RIDGES SKINCAD_RIDGES
 #define LOUDEST 1e9f /* noise rms; squares of squares of more are beyond float32 */
 #define SEEN 5.0f    /* noise rms of a window, below which there is no alarm */
