@@ -219,10 +219,12 @@ def test_its_parts(tmp_path: Path) -> None:
     assert table["no-rows"] == ["-1"]
     assert [line[1:] for line in lines if line[0] == "refused"] == [["-1", "-1", "0"]] * 4
     assert int(table["bytes"][0]) == skincad.export(made).state_bytes
+    rest = np.float32(1.65)
     ramp = np.float32(1e-6) * (np.arange(4) + 1).astype(np.float32) * (np.arange(rows) % 4096)[:, None]
-    values = (np.float32(1.65) + ramp.astype(np.float32) - np.float32(1.65)) / np.float32(1e-3)
+    volts = (rest + ramp.astype(np.float32)).astype(float)
+    values = (volts - (float(rest) + float(np.nextafter(rest, np.float32(2)))) / 2) / made.tuning.noise
     pair, total = values[:, ::2] - values[:, 1::2], values[:, ::2] + values[:, 1::2]
-    raw = np.concatenate([pair, total, pair[:, ::-1], total[:, ::-1]], axis=1).astype(float)
+    raw = np.concatenate([pair, total, pair[:, ::-1], total[:, ::-1]], axis=1)
     raw = np.concatenate([raw, raw**2, pair * pair[:, ::-1], pair * total], axis=1)
     right = []
     for column in raw.T:

@@ -43,15 +43,15 @@ static void refusals(void)
     }
 }
 
-/* Of a value that rises slowly beside 1.65 V at rest, for very many samples. */
+/* Of a value that rises slowly beside a rest between 1.65 V and the next float32, for very many samples. */
 static void means(long rows)
 {
     long i;
     int c, k;
     skincad_detector_init(&detector);
-    for (c = 0; c < SKINCAD_CHANNELS; c++)
-        volts[c] = 1.65f;
-    skincad_detector_rest(&detector, volts, 1);
+    for (c = 0; c < 2 * SKINCAD_CHANNELS; c++)
+        volts[c] = c < SKINCAD_CHANNELS ? 1.65f : nextafterf(1.65f, 2.0f);
+    skincad_detector_rest(&detector, volts, 2);
     for (i = 0; i < rows; i++) {
         for (c = 0; c < SKINCAD_CHANNELS; c++)
             volts[c] = 1.65f + (float)(c + 1) * 1e-6f * (float)(i % 4096);
