@@ -45,6 +45,7 @@ RESULTS = {  # a command, and the record that its --json prints
     "coupon": "fabrication.coupon:CouponKit",
     "coupon --measured": "fabrication.coupon:CouponReading",
     "package": "outputs.simulators.package:Package",
+    "export": "outputs.detector_code:DetectorCode",
 }
 DOCUMENTS = ("Circuit", "Design", "Scene", "Study")  # fields are keys of TOML, which have their own page
 METHODS = "with_, to_toml"

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from skincad.mechanics.film.stress import film_stress as _film_stress
     from skincad.outputs.delivery import save_picture as save_picture
     from skincad.outputs.delivery import write as write
+    from skincad.outputs.detector_code import export as export
     from skincad.outputs.simulators.package import package as _package
     from skincad.scenes.acceptance import accept_recording as _accept_recording
     from skincad.scenes.scene import Scene as Scene
@@ -78,6 +79,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "board": "circuit.boards:board",
     "check": "mechanics.check:check",
     "design_for": "studies.wish:design_for",
+    "export": "outputs.detector_code:export",
     "film_offers": "fabrication.films:film_offers",
     "film_stress": "mechanics.film.stress:film_stress",
     "fit_material": "material.fit:fit_material",

@@ -31,10 +31,10 @@ from skincad.base.version import __version__
 COMMANDS = (  # each owns the files that its manifest lists
     "make", "simulate", "circuit", "accuracy", "check", "film-stress", "fit-material", "solve", "sweep",
     "optimise", "coupon", "coupon-reading", "package",
-    "board",
+    "board", "export",
 )  # fmt: skip
 # a result may have folders of these names, one deep, and no others
-FOLDERS = ("solids", "drawings", "film", "orders")
+FOLDERS = ("solids", "drawings", "film", "orders", "skincad_detector")
 
 
 def manifest_name(command: str) -> str:
@@ -150,8 +150,8 @@ except ImportError:  # no POSIX: runs into one folder at once are not kept apart
 
 OURS = ".skincad-"  # so begins the name of whatever lies in the folder only while runs write there
 RUN = re.compile(rf"{re.escape(OURS)}({'|'.join(COMMANDS)})-[0-9a-f]{{8}}")
-# what stands in nobody's way: what a new volume holds, a study's log, and a package's own folder
-BESIDE = {"lost+found", "evaluations.jsonl", "package"}
+# what stands in nobody's way: what a new volume holds, a study's log, and a package's and a detector's folder
+BESIDE = {"lost+found", "evaluations.jsonl", "package", "detector"}
 PATIENCE, POLL = 1.0, 0.05  # s: until a wait is reported; between two attempts
 
 

@@ -9,6 +9,7 @@ import typer
 import skincad
 from skincad.cli.checks import accuracy, check, circuit
 from skincad.cli.designs import new, templates
+from skincad.cli.detectors import export
 from skincad.cli.making import make, package, watch
 from skincad.cli.measurements import accept, coupon, fit_material
 from skincad.cli.options import expanded
@@ -18,7 +19,7 @@ from skincad.cli.searching import optimise, solve, sweep
 HELP = "Artificial robot skin: its solids and mold, files to make them, and what it will feel."
 COMMANDS = (
     templates, new, make, watch, coupon, package, check, circuit, simulate, accuracy, fit_material, accept,
-    solve, sweep, optimise, live, listen,
+    solve, sweep, optimise, live, listen, export,
 )  # fmt: skip
 
 app = typer.Typer(

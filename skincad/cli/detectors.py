@@ -1,13 +1,17 @@
-"""The detector of a design or a scene, as commands make it."""
+"""The detector of a design or a scene, as commands make it, and the command that exports it: `export`."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import skincad
 from skincad.base.errors import InputError
+from skincad.base.progress import stage_bar
 from skincad.cli import options
-from skincad.cli.options import option
+from skincad.cli.options import argument, option
+from skincad.cli.printing import deliver, out_folder
 
 if TYPE_CHECKING:
     from skincad.circuit.model import Circuit
@@ -91,3 +95,38 @@ def _numbers(text: str) -> list[int]:
         return [int(part) for part in text.split(",")]
     except ValueError:
         raise InputError("ridges", "must be numbers", text, "as in 3,4,5,6") from None
+
+
+def export(
+    source: Annotated[str, argument("DESIGN|SCENE", "A template's name or a TOML file.")],
+    settings: options.Settings = [],  # noqa: B006
+    folder: Annotated[
+        Path | None,
+        option("--detector DIR", "The folder for the detector's C code; default: out/<name>/detector."),
+    ] = None,
+    *,
+    wiring: Wiring,
+    workshop: options.Workshop,
+    as_json: options.Json = False,
+) -> None:
+    """Write the slip detector as C code for a microcontroller.
+
+    C99 without allocation, its weights, test vectors, and a sketch for a Teensy 4.1 that samples, prints and
+    alarms. Without --every it decides as often as half of a Cortex-M7 of 600 MHz allows.
+    """
+    from skincad.detector.detector import Detector
+    from skincad.outputs import detector_code
+
+    detector, design, circuit = detector_of(source, settings, wiring, workshop)
+    if wiring.every is None:
+        every = detector_code.fitting_every(len(detector.ridges), detector.rate)
+        if every is None:
+            rule = f"is too fast for {len(detector.ridges)} ridges on a Cortex-M7 of 600 MHz"
+            remedy = "give a lower --rate or fewer --ridges; or --every for another processor"
+            raise InputError("rate", rule, detector.rate, remedy)
+        detector = Detector.of(replace(detector.tuning, every=every), detector.ridges, detector.rate)
+    result = skincad.export(detector, name=f"{design.name} behind {circuit.name}")
+    target = out_folder(folder, Path(design.name, "detector"), detector_code.COMMAND, detector_code.NAMES)
+    with stage_bar(1) as progress:
+        written = skincad.write(result, target, progress=progress)
+    deliver(result, written, options.Display(as_json=as_json))

@@ -13,6 +13,7 @@ __getattr__, __dir__ = face(
     boards: channels_csv kicad_schematic parts_csv
     checks: CHECK advice_lines allowance awaits_advice
     delivery: Delivery of_formats ready save_picture write
+    detector_code: CLOCK fitting_every instructions
     drawing.flat: write_shims_dxf
     drawing.overview: PAGE
     figures.canvas: Axes STYLES save sheet
