@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.errors import InputError, did_you_mean
 from skincad.circuit.model import Circuit, circuit_network, fitted, load_circuit
+from skincad.circuit.rails import sign
 from skincad.circuit.state import PASS, delay, rms_behind
 from skincad.detector import features as hearing
 from skincad.inputs.catalog import load_design
@@ -163,6 +164,8 @@ class Detector:
     amplifier if not given: give what your board has where that is more. `every` asks the networks at one of
     so many samples only, which is as many times cheaper and at most so many samples later.
 
+    It hears `output_V` as `simulate` has it. The pin of an amplifier that is `inverted` moves the other way.
+
     Raises InputError for a skin without films, ridges that it has not, and numbers out of range.
     """
 
@@ -200,7 +203,7 @@ class Detector:
         if noise is None:
             pair = math.sqrt(2) * rms_behind(network, bandwidth, SLOWEST, rate / 2)
             tuning = replace(tuning, noise=pair)
-        self._set(tuning, ridges, rate)
+        self._set(tuning, ridges, rate, inverted=sign(network) < 0)
 
     @classmethod
     def of(cls, tuning: Tuning, ridges: Sequence[int], rate: float) -> Detector:
@@ -209,11 +212,11 @@ class Detector:
         detector._set(tuning, tuple(ridges), rate)
         return detector
 
-    def _set(self, tuning: Tuning, ridges: tuple[int, ...], rate: float) -> None:
+    def _set(self, tuning: Tuning, ridges: tuple[int, ...], rate: float, *, inverted: bool = False) -> None:
         if list(ridges) != sorted(set(ridges)) or not ridges:
             rule = "must be one or more, each once, in their order on the skin"
             raise InputError("ridges", rule, ", ".join(map(str, ridges)))
-        self.tuning, self.ridges, self.rate = tuning, ridges, rate
+        self.tuning, self.ridges, self.rate, self.inverted = tuning, ridges, rate, inverted
         count = len(ridges)
         self._memory = Memory(hearing.at_rest(count), np.zeros(count + 1, bool), 0, np.zeros(2 * count))
 

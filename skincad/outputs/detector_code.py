@@ -55,6 +55,9 @@ class DetectorCode(Result):
     ridges: tuple[int, ...] = item(meaning="wired ridges, from 1")
     rate: float = item("Hz", "of the samples")
     tuning: Tuning
+    inverted: bool = item(
+        meaning="whether the amplifier's pin moves against output_V, so that the sketch turns it"
+    )
 
     @reported("V", "rms of S1 - S2, which alarms are measured by")
     def noise(self) -> float:
@@ -126,7 +129,13 @@ def export(detector: Detector, *, name: str = "a detector made in Python") -> De
         raise InputError("name", "must be a line without */: it stands in a comment", name)
     if not isinstance(detector, Detector):
         raise InputError("detector", "must be a Detector", detector, "skincad.Detector(...) gives one")
-    return DetectorCode(name=name, ridges=detector.ridges, rate=detector.rate, tuning=detector.tuning)
+    return DetectorCode(
+        name=name,
+        ridges=detector.ridges,
+        rate=detector.rate,
+        tuning=detector.tuning,
+        inverted=detector.inverted,
+    )
 
 
 def instructions(ridges: int, every: int) -> float:

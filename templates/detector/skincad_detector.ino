@@ -6,6 +6,7 @@
 
 static const uint8_t PINS[] = {A0, A1, A2, A3, A4, A5, A6, A7, A8, A9, A10, A11, A12, A13, A14, A15, A16, A17};
 static const char HEADER[] = "sample{% for ridge in code.ridges %},ridge_{{ ridge }}_S1_V,ridge_{{ ridge }}_S2_V{% endfor %}\n";
+static const bool INVERTED = {{ "true" if code.inverted else "false" }}; // the amplifier's pin moves against output_V, which the detector hears
 static const bool PRINT_SAMPLES = true; // false: alarms and remarks alone
 static const int BITS = 12;
 static const float VOLTS = 3.3f / (1 << BITS); // of a count
@@ -23,7 +24,7 @@ static int64_t sums[SKINCAD_CHANNELS], pairs[SKINCAD_RIDGES], squares[SKINCAD_RI
 static void take() {
     uint16_t *row = ring[taken % ROWS];
     for (int c = 0; c < SKINCAD_CHANNELS; c++)
-        row[c] = (uint16_t)analogRead(PINS[c]);
+        row[c] = (uint16_t)(INVERTED ? (1 << BITS) - 1 - analogRead(PINS[c]) : analogRead(PINS[c]));
     taken = taken + 1;
 }
 

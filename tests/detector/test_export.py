@@ -334,11 +334,14 @@ def test_16_channels_at_5_khz_fit_in_half_of_600_mhz() -> None:
 
 @compiled
 @pytest.mark.slow
-@pytest.mark.parametrize(("ridges", "round"), [(2, 1), (9, 30)])
-def test_the_sketch_prints_samples_and_alarms(ridges: int, round: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("ridges", "round", "inverted"), [(2, 1, True), (9, 30, False)])
+def test_the_sketch_prints_samples_and_alarms(
+    ridges: int, round: int, inverted: bool, tmp_path: Path
+) -> None:
     """On a stand-in for Arduino's library: what it prints is the wire's form, and what Python hears in it are
     its alarms."""
     made = detector(ridges, noise=2e-3, every=3)
+    made.inverted = inverted
     inner = code(tmp_path / "code", made)
     object_file = tmp_path / "detector.o"
     words = ["gcc", "-std=c99", *STRICT, "-c", str(inner / "skincad_detector.c"), "-o", str(object_file)]
@@ -350,7 +353,8 @@ def test_the_sketch_prints_samples_and_alarms(ridges: int, round: int, tmp_path:
     late = np.stack([np.roll(column, 5 * k) for k, column in enumerate(pull.T)], axis=1)
     strips = np.concatenate([np.zeros((rest, 2 * ridges)), np.stack([late, -late], axis=2).reshape(1200, -1)])
     counts = np.clip(np.rint(strips + draw.normal(2048, 1.0, strips.shape)), 0, 4095).astype(np.uint16)
-    lines = printed(program, str(round), given=counts.tobytes()).splitlines()
+    given = 4095 - counts if inverted else counts
+    lines = printed(program, str(round), given=given.tobytes()).splitlines()
     head = ",".join(["sample", *(f"ridge_{ridge}_{side}_V" for ridge, side in made.channels)])
     assert lines[0] == head
     assert lines.count(head) == 2  # once a second
