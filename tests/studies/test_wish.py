@@ -63,6 +63,9 @@ def test_a_wish_is_met_by_a_design_that_passes_and_can_be_cast(small: WishResult
     )
     assert str(small).startswith("Met: all ")
     assert "ridge.levelling" in str(small)
+    (line,) = (row for row in str(small).splitlines() if row.startswith("  film to buy "))
+    assert "metallised piezo film sheet, sputtered Ni-Cu (TE Connectivity), source of 1999-04-02; " in line
+    assert f"strips are cut {small.film_offers.cutting}" in line
     assert small.as_json()["passed"] is True
 
 
