@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from skincad.detector.detector import Detector
     from skincad.inputs.design import Design
 
-CIRCUIT = "transimpedance"  # where neither an option nor a scene names one
+CIRCUIT = "single-supply"  # where neither an option nor a scene names one
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +40,12 @@ class Wiring:
     rate: Annotated[
         float | None, option("--rate HZ", "Samples per second; default: the scene's, or the circuit's.")
     ] = None
+    bandwidth: Annotated[
+        float | None,
+        option(
+            "--bandwidth HZ", "Of the low-pass before the samples; default: 0.4 of the rate, or the scene's."
+        ),
+    ] = None
     alarms: Annotated[
         str | None,
         option("--alarms POINT", "sure: few false alarms, or early; default: the scene's, or sure."),
@@ -58,10 +65,12 @@ def detector_of(
     """Return the detector of a design's or a scene's name or TOML file, with its design and its circuit.
 
     Of a scene it is that of its skin, the circuit and the `sampling_Hz` of its `effects.piezo`, its
-    `readout.ridges` and its `readout.alarms`; `wiring` comes before all of these. Raises InputError for a
-    circuit in the place of a design, for ridges that are no numbers, and as `Detector` does.
+    `readout.ridges` and `readout.alarms`, and its `readout.bandwidth_Hz` where the samples show that;
+    `wiring` comes before all of these. Raises InputError for a circuit in the place of a design, for ridges
+    that are no numbers, and as `Detector` does.
     """
     from skincad.circuit.model import Circuit, load_circuit
+    from skincad.circuit.state import PASS
     from skincad.detector.detector import SURE, Detector
     from skincad.effects.piezo import Piezo
     from skincad.scenes.scene import Scene
@@ -78,7 +87,8 @@ def detector_of(
             circuit, rate = reader.loaded, reader.sampling_Hz
     if circuit is None:
         circuit = load_circuit(CIRCUIT if wiring.circuit is None else wiring.circuit)
-    detector = Detector(
+    made = partial(
+        Detector,
         design,
         circuit,
         rate if wiring.rate is None else wiring.rate,
@@ -87,6 +97,9 @@ def detector_of(
         noise=wiring.noise,
         every=1 if wiring.every is None else wiring.every,
     )
+    detector = made(bandwidth=wiring.bandwidth)
+    if wiring.bandwidth is None and isinstance(subject, Scene):
+        detector = made(bandwidth=min(subject.readout.bandwidth_Hz, PASS * detector.rate / 2))
     return detector, design, circuit
 
 

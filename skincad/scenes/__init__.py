@@ -7,7 +7,7 @@ __getattr__, __dir__ = face(
     __name__,
     """
     acceptance: CANT_TELL RecordingAcceptance accept_recording judge strip_name
-    alarms: MISNAMED NOTHING NOT_AHEAD PASSING Score report score
+    alarms: NOTHING NOT_AHEAD PASSING Score report score
     errors: BySource Slips intervals near_chosen slip_errors slips_of
     film_prediction: FilmPrediction modulus_range predict_films recorded_scene varied with_modulus
     march: GROSS_SLIP LEVELS Level March expected frames

@@ -117,7 +117,7 @@ def test_the_command_says_what_it_wrote(tmp_path: Path) -> None:
     assert (table["every"], table["channels"], table["delay_ms"]) == (3, 8, 0.4)
     head = (tmp_path / "out" / "skincad_detector" / "skincad_detector.h").read_text()
     defines = dict(re.findall(r"#define SKINCAD_(\w+) (\S+)", head))
-    right = skincad.Detector("yamada-2002", "transimpedance", RATE, (3, 4, 5, 6), alarms="early").tuning
+    right = skincad.Detector("yamada-2002", "single-supply", RATE, (3, 4, 5, 6), alarms="early").tuning
     assert float(defines["NOISE_V"][:-1]) == np.float32(right.noise)
     assert (defines["THRESHOLD"], defines["WARNING"], defines["EVERY"]) == ("2.5f", "1.25f", "3")
 
@@ -154,7 +154,10 @@ def test_a_scene_has_its_own_circuit_ridges_and_alarms(tmp_path: Path) -> None:
     ("arguments", "words"),
     [
         (("transimpedance",), "is a circuit, not a design or a scene; give it to --circuit"),
-        (("yamada-2002",), "--rate: is too fast for 9 ridges on a Cortex-M7 of 600 MHz, got 50000;"),
+        (
+            ("yamada-2002", "--circuit", "transimpedance"),
+            "--rate: is too fast for 9 ridges on a Cortex-M7 of 600 MHz, got 50000;",
+        ),
         (("yamada-2002", "--ridges", "3,x"), "--ridges: must be numbers, got '3,x'; as in 3,4,5,6"),
         (("yamada-2002", "--ridges", "4,3"), "--ridges: must be one or more, each once, in their order"),
         (("yamada-2002", "--every", "0"), "--every: must be at least 1 sample"),
