@@ -40,7 +40,8 @@ from skincad.inputs.recordings import check_time, column_name
 REST_SECONDS = 0.5
 REST_SHARE = 0.1  # of a stream that is shorter
 POLL = 0.02  # s, of a port: an alarm is as late
-FULL, SOON = 2048, 0.002  # bytes of a read, after which more may wait: Linux hands on 4095 at once; s
+CUT, SOON = 2048, 0.002  # bytes of a port's read, after which more may wait: Linux hands on 4095 at once; s
+FULL = 1 << 15  # bytes of a pipe's read: fewer are all that was there
 QUIET = 0.1  # s, of a pipe, in which Ctrl-C waits
 CHUNK, ROWS = 1 << 18, 4096  # bytes of a file at once; rows of one that is read otherwise
 TIMEOUT = 2.0  # s, after which a silent port is one that stalls
@@ -99,7 +100,7 @@ def _gathered(port: Any) -> bytes:
     parts, end = [], monotonic() + POLL
     while (left := end - monotonic()) > 0:
         parts.append(port.read(CHUNK))
-        sleep(min(left, SOON) if len(parts[-1]) >= FULL else left)
+        sleep(min(left, SOON) if len(parts[-1]) >= CUT else left)
     return b"".join(parts)
 
 
@@ -116,7 +117,10 @@ def _ports() -> list[str]:
 
 
 def file_chunks(descriptor: int, name: str, timeout: float | None = None) -> Chunks:
-    """Yield bytes of an open file or pipe as fast as they come; raises InputError where it stalls."""
+    """Yield bytes of an open file or pipe as fast as they come, of one in real time every POLL.
+
+    Raises InputError where it is silent for `timeout` s.
+    """
     heard = monotonic()
     while True:
         safe_point()
@@ -127,6 +131,8 @@ def file_chunks(descriptor: int, name: str, timeout: float | None = None) -> Chu
                 return
             yield data
             heard = monotonic()
+            if len(data) < FULL:
+                sleep(POLL)  # a live stream: few long blocks cost less than many short ones
         elif timeout is not None and monotonic() - heard > timeout:
             raise stalled(name, timeout)
 
@@ -284,10 +290,10 @@ class Listener:
 
     def __init__(self, detector: Detector) -> None:
         self.detector = detector
-        self.samples = self.lost = self.alarms = self.restarts = 0
+        self.samples = self.fed = self.lost = self.alarms = self.restarts = 0
         self.rest: Array | None = None  # (channels,) V
         self.noise = 0.0  # of the pair with most, at rest, in times of the detector's
-        self._held, self._fresh, self._fed = list[Block](), dict[str, Any](), 0
+        self._held, self._fresh, self._since = list[Block](), dict[str, Any](), 0
 
     @property
     def seconds(self) -> float:
@@ -334,7 +340,7 @@ class Listener:
             yield {"kind": "lost", "samples": block.gap, **first, "filled": False}
         if block.begins in ("restart", "gap"):
             self.detector.restore(self._fresh)
-            self._fed = 0
+            self._since = 0
         for count, number in block.lost:
             self.lost += count
             at = times[int(np.argmax(numbers == number))]
@@ -343,12 +349,13 @@ class Listener:
             }  # fmt: skip
         for alarm in self.detector.feed(block.values):
             self.alarms += 1
-            row = alarm.index - self._fed
+            row = alarm.index - self._since
             yield {
                 "kind": alarm.kind, "ridge": alarm.ridge, "sample": int(numbers[row]),
                 "time_s": _seconds(times[row]),
             }  # fmt: skip
-        self._fed += size
+        self._since += size
+        self.fed += size
 
     @property
     def at_rest(self) -> bool:
@@ -400,7 +407,7 @@ def listen(
             "kind": "end", "why": why, "samples": listener.samples, "lost": listener.lost,
             "alarms": listener.alarms, "restarts": listener.restarts, "garbled": wire.garbled,
             "seconds": _seconds(listener.seconds),
-            "share_of_core": round(spent / listener.seconds, 4) if listener.samples else None,
+            "share_of_core": round(spent * wire.rate / listener.fed, 4) if listener.fed else None,
         }  # fmt: skip
         if kept is not None:
             end["recording"] = str(kept)
