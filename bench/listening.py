@@ -34,7 +34,7 @@ BUFFERED = 500  # samples, of the board
 
 def write(descriptor: int, ridges: int) -> None:
     """Write lines in real time until nobody reads."""
-    detector = Detector(DESIGN, "transimpedance", RATE, range(1, ridges + 1))
+    detector = Detector(DESIGN, "single-supply", RATE, range(1, ridges + 1))
     sigma, size = LOUD * detector.tuning.noise / np.sqrt(2), round(RATE)
     volts = 1.65 + np.random.default_rng(1).normal(0, sigma, (size, 2 * ridges))
     tails = ["".join(f",{value:.7f}" for value in row) for row in volts.tolist()]

@@ -1,7 +1,7 @@
 """What README.md, docs/ and examples/ show works: each command, Python line and cell, in one folder for each.
 
 A block of csv or toml right after a line that ends in a file's name and a colon is that file. `# fails` after
-a command means status 1, `# until Ctrl-C` that it goes on until then. A text block right after commands is
+a command means status 1, `# until Ctrl-C` that it goes on until then. PORT is a simulated board. A text block right after commands is
 what the last of them prints: its first line word for word, all others but for their numbers, which are times
 and what rounding leaves.
 """
@@ -22,6 +22,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
 import typer
 
@@ -30,6 +31,7 @@ from skincad.base import files_below
 from skincad.cli.app import app
 from skincad.scenes import SceneRun, marched, marching
 from tests.conftest import run_skincad
+from tests.ports import board
 from tests.processes import started
 
 ROOT = Path(__file__).parent.parent
@@ -41,6 +43,7 @@ BY_TURNS = ("docs/start/first-scene.md", "docs/start/own-design.md")  # the two 
 FENCED = re.compile(r"(?:`([\w-]+\.(?:csv|toml))`:\n+)?^```(\w+)\n(.*?)^```$", re.M | re.S)
 ELSEWHERE = re.compile(r"^(python3|py) -m venv ")  # .ci/run takes README's install and tests word for word
 INTERRUPTED = 130  # status of what Ctrl-C ended
+PORT = "/dev/ttyACM0"
 COMMANDS = typer.main.get_command(app).commands  # type: ignore[attr-defined]
 
 
@@ -101,6 +104,25 @@ def goes_on_until_ctrl_c(arguments: list[str], folder: Path) -> int:
         return process.wait(timeout=60)
 
 
+@contextlib.contextmanager
+def on_board(arguments: list[str]) -> Iterator[list[str]]:
+    """Give PORT's place to a board whose ridges 4 and 5 rest for a second, are tapped, and then pulled."""
+    if PORT not in arguments:
+        yield arguments
+        return
+    draw, rate = np.random.default_rng(1), 5000
+    values = np.full((5 * rate, 4), 1.65) + draw.normal(0, 1e-4, (5 * rate, 4))
+    tap = 0.2 * np.sin(np.linspace(0, np.pi, rate // 25))[:, None]
+    for ridge, second in ((0, 1.2), (1, 2.2)):
+        share = np.where(np.arange(4) // 2 == ridge, 1.0, 0.2)
+        values[int(second * rate) : int(second * rate) + tap.size] += tap * share
+    pull = np.repeat(draw.normal(0, 0.02, 2 * rate // 100), 100)[:, None]
+    values[3 * rate :] += pull * np.array([1.0, -1.0, 0.6, -0.6])
+    head = ",".join(["sample", *(f"ridge_{ridge}_{side}_V" for ridge in (4, 5) for side in ("S1", "S2"))])
+    with board(head, values, rate) as port:
+        yield [port if word == PORT else word for word in arguments]
+
+
 def one_march(runs: list[tuple[object, SceneRun]], scene: skincad.Scene, **asked: Any) -> SceneRun:
     """Return a scene's march. Commands and Python of a page that only read it in other ways share it."""
     key = (marching(scene), asked | {"tick": None, "partial": None})
@@ -149,11 +171,12 @@ def test_what_a_page_shows_works(page: Path, tmp_path: Path, monkeypatch: pytest
         if block.file:
             Path(block.file).write_text(block.text)
         elif block.kind == "sh":
-            for arguments, status in commands(block):
-                if status == INTERRUPTED:
-                    assert goes_on_until_ctrl_c(arguments, tmp_path) == status
-                    continue
-                done = run_skincad(*arguments, cwd=tmp_path)
+            for line, status in commands(block):
+                with on_board(line) as arguments:
+                    if status == INTERRUPTED:
+                        assert goes_on_until_ctrl_c(arguments, tmp_path) == status
+                        continue
+                    done = run_skincad(*arguments, cwd=tmp_path)
                 assert done.returncode == status, f"{arguments}: {done.stdout}{done.stderr}"
                 printed = done.stdout
         elif block.kind == "python":
