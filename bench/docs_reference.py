@@ -32,7 +32,6 @@ RESULTS = {  # a command, and the record that its --json prints
     "check --stress": "mechanics.film.stress:FilmStresses",
     "make": "fabrication.making:MakeResult",
     "simulate": "scenes.simulation:Simulation",
-    "accept --recording": "scenes.acceptance:RecordingAcceptance",
     "circuit": "circuit.bode:CircuitGain",
     "solve": "studies.solving:Solution",
     "sweep": "studies.sweeping:SweepResult",

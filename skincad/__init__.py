@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from skincad.outputs.delivery import save_picture as save_picture
     from skincad.outputs.delivery import write as write
     from skincad.outputs.simulators.package import package as _package
-    from skincad.scenes.acceptance import accept_recording as _accept_recording
     from skincad.scenes.scene import Scene as Scene
     from skincad.scenes.scene import load_scene as load_scene
     from skincad.scenes.simulation import simulate as _simulate
@@ -70,7 +69,6 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "Scene": "scenes.scene:Scene",
     "Study": "studies.study:Study",
     "accept": "material.acceptance:accept",
-    "accept_recording": "scenes.acceptance:accept_recording",
     "advise": "studies.advice:advise",
     "accuracy": "studies.accuracy.accuracy:accuracy",
     "check": "mechanics.check:check",
@@ -148,7 +146,6 @@ def by_name(function: Callable[Concatenate[S, P], R]) -> Callable[Concatenate[S 
 
 if TYPE_CHECKING:
     accept = by_name(_accept)
-    accept_recording = by_name(_accept_recording)
     accuracy = by_name(_accuracy)
     advise = by_name(_advise)
     check = by_name(_check)
