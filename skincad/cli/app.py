@@ -12,13 +12,13 @@ from skincad.cli.designs import new, templates
 from skincad.cli.making import make, package, watch
 from skincad.cli.measurements import accept, coupon, fit_material
 from skincad.cli.options import expanded
-from skincad.cli.running import live, simulate
+from skincad.cli.running import listen, live, simulate
 from skincad.cli.searching import optimise, solve, sweep
 
 HELP = "Artificial robot skin: its solids and mold, files to make them, and what it will feel."
 COMMANDS = (
     templates, new, make, watch, coupon, package, check, circuit, simulate, accuracy, fit_material, accept,
-    solve, sweep, optimise, live,
+    solve, sweep, optimise, live, listen,
 )  # fmt: skip
 
 app = typer.Typer(

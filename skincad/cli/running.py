@@ -1,15 +1,28 @@
-"""The commands that run a scene: `simulate`, `live`."""
+"""The commands that run a scene or a detector: `simulate`, `live`, `listen`."""
 
 from __future__ import annotations
 
-from typing import Annotated
+import json
+import math
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from time import sleep
+from typing import TYPE_CHECKING, Annotated, Any
 
 import skincad
 from skincad.base.errors import InputError
+from skincad.base.interrupt import safe_point
 from skincad.base.progress import step_bar
 from skincad.cli import options
+from skincad.cli.detectors import Wiring, detector_of
 from skincad.cli.options import option
 from skincad.cli.printing import as_typed, deliver, leave, out_folder, say
+
+if TYPE_CHECKING:
+    from skincad.detector.detector import Detector
+    from skincad.detector.listening import Listener
+    from skincad.detector.wire import Block, Wire
 
 
 def simulate(
@@ -93,3 +106,144 @@ def live(
     if isinstance(subject, Circuit):
         raise InputError(source[:80], "is a circuit, not a design or a scene", remedy="give it to circuit")
     serve(subject, source, host, port, browser=browser, say=say)
+
+
+def listen(
+    sources: Annotated[
+        list[str],
+        options.argument(
+            "DESIGN|SCENE [-]", "A template's name or a TOML file; - reads lines from standard input."
+        ),
+    ],
+    port: Annotated[
+        str | None, option("--port PORT", "A board's serial port, as /dev/ttyACM0, or socket://HOST:PORT.")
+    ] = None,
+    recorded: Annotated[
+        str | None, option("--csv FILE", "A recording: columns time_s and a strip each, as ridge_3_S1_V.")
+    ] = None,
+    record: Annotated[
+        Path | None, option("--record FILE", "Write what comes as a CSV, which --csv reads again.")
+    ] = None,
+    page: Annotated[bool, option("--page", "Show channels and alarms in the browser, here alone.")] = False,
+    baud: Annotated[
+        int, option("--baud N", "Of a serial port that needs it; USB boards take any.")
+    ] = 115_200,
+    timeout: Annotated[
+        float | None,
+        option("--timeout S", "Silence that ends it; default: 2 s of a port, any of standard input."),
+    ] = None,
+    settings: options.Settings = [],  # noqa: B006
+    silicones: options.Silicones = None,
+    *,
+    wiring: Wiring,
+) -> None:
+    """Hear slip in the films' voltages, from a board or a recording.
+
+    Prints a JSON line for each alarm as it comes, for lost samples and for a board that restarts, and at the
+    end a summary. Nothing may touch the skin in the first half second: its mean is the resting voltage.
+    Ctrl-C ends it and keeps the recording.
+    """
+    from skincad.detector import listening
+
+    source, *rest = sources
+    if rest == ["-"] and recorded is None:
+        rest, recorded = [], "-"
+    if rest or (port is None) == (recorded is None):
+        rule = "must be a design or scene, and one of --port PORT, --csv FILE and -"
+        raise InputError("arguments", rule, " ".join(sources), "see `skincad listen --help`")
+    detector, _, _ = detector_of(source, settings, wiring, options.Workshop(silicones=silicones))
+    recording = None
+    if record is not None:
+        if port is None and recorded != "-":
+            raise InputError("record", "is of a port or of standard input", str(record), "leave it out")
+        recording = listening.RecordingFile(record, f"{source}, {port or 'standard input'}", detector.rate)
+    wire, blocks = _stream(detector, port, recorded, baud, timeout)
+    listener = listening.Listener(detector)
+    console = _Console(listener, f"{source}, {wire.name}")
+
+    def tell(event: dict[str, Any]) -> None:
+        console.clear()
+        print(json.dumps(event), flush=True)
+
+    if not page:
+        listening.listen(wire, blocks, listener, tell, recording, console.update)
+        return
+    from skincad.live.channels import ChannelsPage
+
+    shown = ChannelsPage(listener, f"{source}, {wire.name}")
+    print(f"{shown.address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
+
+    def show_all(block: Block, events: list[dict[str, Any]]) -> None:
+        console.update(block, events)
+        shown.update(block, events)
+
+    try:
+        listening.listen(wire, blocks, listener, tell, recording, show_all)
+        shown.draw()
+        while True:  # a recording is over: it may be looked at
+            safe_point()
+            sleep(POLL)
+    finally:
+        shown.close()
+
+
+def _stream(
+    detector: Detector, port: str | None, recorded: str | None, baud: int, timeout: float | None
+) -> tuple[Wire, Iterator[Block]]:
+    """The reader and the blocks of a port, of standard input ("-") or of a recording."""
+    from skincad.detector import listening
+
+    if timeout is not None and not 0 < timeout < math.inf:
+        raise InputError("timeout", "must be above 0 s and finite", timeout)
+    if baud < 1:
+        raise InputError("baud", "must be at least 1", baud)
+    if port is not None:
+        limit = listening.TIMEOUT if timeout is None else timeout
+        wire = listening.wire_of(detector, port, noisy=True)
+        return wire, listening.port_blocks(wire, listening.port_chunks(port, baud, limit))
+    if recorded == "-":
+        wire = listening.wire_of(detector, "standard input")
+        return wire, listening.blocks_of(wire, listening.file_chunks(sys.stdin.fileno(), wire.name, timeout))
+    return listening.recording_blocks(detector, Path(recorded or ""))
+
+
+POLL = 0.1  # s, until Ctrl-C ends a page
+
+
+class _Console:
+    """What a person reads on stderr while a detector listens."""
+
+    def __init__(self, listener: Listener, name: str) -> None:
+        self.listener, self.name = listener, name
+        self.begun, self.shown = False, 0.0
+        self.terminal = sys.stderr.isatty()
+
+    def update(self, _: Block, __: list[dict[str, Any]]) -> None:
+        """Say once what is heard; on a terminal, once a second, how far it has come."""
+        listener = self.listener
+        if not self.begun and listener.rest is not None:
+            self.begun = True
+            detector = listener.detector
+            rest = ", ".join(
+                f"{ridge} {side} {volts:.4g}"
+                for (ridge, side), volts in zip(detector.channels, listener.rest, strict=True)
+            )
+            lines = [
+                f"{self.name}: {len(detector.channels)} channels at {detector.rate:g} Hz, a window of "
+                f"{detector.tuning.window} samples; at rest, V: {rest}"
+            ]
+            if not listener.at_rest:
+                lines.append(
+                    f"The first half second is {listener.noise:.3g} times as loud as film and amplifier. "
+                    "Does something touch the skin? If the board is so loud, give its --noise."
+                )
+            print(*lines, sep="\n", file=sys.stderr, flush=True)
+        if self.terminal and self.begun and listener.seconds - self.shown >= 1:
+            self.shown = listener.seconds
+            text = f"{listener.seconds:.0f} s, {listener.lost} lost, {listener.alarms} alarms"
+            print(f"\r{text}\x1b[K", end="", file=sys.stderr, flush=True)
+
+    def clear(self) -> None:
+        """Make place for a line on the terminal."""
+        if self.terminal and self.shown:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)

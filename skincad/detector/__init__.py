@@ -8,5 +8,7 @@ __getattr__, __dir__ = face(
     """
     detector: AHEAD Alarm BACK Detector EARLY INCIPIENT POINTS RIDGES SEEN SKIN SURE Tuning Weights taken
         tuned weights
+    listening: Listener listen port_blocks port_chunks wire_of
+    wire: Block Wire
     """,
 )

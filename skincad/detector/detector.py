@@ -36,6 +36,7 @@ from skincad.shape.skin import skin_of
 WINDOW = 3.5  # of the low-pass's delay; assumption
 FEWEST = 3  # samples of a window
 SEEN = 5.0  # noise rms of a pair, a window's mean, below which there is no alarm: noise alone reaches 2.9
+PIECE = 1000  # samples of a ridge that are heard at once: 0.8 MB of hidden values; assumption of a cache
 SLOWEST = 0.1  # Hz: noise below is taken out with the resting voltage; assumption
 
 INCIPIENT, AHEAD = "incipient slip", "gross slip ahead"
@@ -290,15 +291,25 @@ class Detector:
         return values
 
     def _odds(self, values: Array) -> tuple[Array, Index, Array]:
+        """Long blocks go piece by piece: what a piece needs stays in the processor's cache."""
+        size, means, count = max(1, PIECE // len(self.ridges)), self._memory.means, self._memory.count
+        odds, asked = [], []
+        for start in range(0, max(1, values.shape[0]), size):
+            first = -(count + start + 1) % self.tuning.every
+            outputs = values[start : start + size].reshape(-1, len(self.ridges), 2)
+            piece, means = self._piece(outputs, means, slice(first, None, self.tuning.every))
+            odds.append(piece)
+            asked.append(start + first + self.tuning.every * np.arange(piece.shape[0]))
+        return np.concatenate(odds), np.concatenate(asked), means
+
+    def _piece(self, outputs: Array, means: Array, asked: slice) -> tuple[Array, Array]:
         """One sample is multiplied at a time, so that it is the same however the samples are cut."""
-        t, state = self.tuning, self._memory
-        asked = np.arange(-(state.count + 1) % t.every, values.shape[0], t.every)
-        outputs = values.reshape(-1, len(self.ridges), 2)
-        felt, loud, means = hearing.features(t.window, t.noise, outputs, state.means, asked)
+        t = self.tuning
+        felt, loud, after = hearing.features(t.window, t.noise, outputs, means, asked)
         each, whole = (_odds(weights(file), felt) for file in (RIDGES, SKIN))
         odds = np.concatenate([each, _mean(whole)[:, None]], axis=1)
         seen = np.concatenate([loud > SEEN, np.any(loud > SEEN, axis=1, keepdims=True)], axis=1)
-        return np.where(seen, odds, np.minimum(odds, min(t.threshold, t.warning) - BACK - 1.0)), asked, means
+        return np.where(seen, odds, np.minimum(odds, min(t.threshold, t.warning) - BACK - 1.0)), after
 
 
 def taken(before: Mask, odds: Array, threshold: Array | float, back: float) -> Mask:
@@ -310,7 +321,9 @@ def taken(before: Mask, odds: Array, threshold: Array | float, back: float) -> M
 
 
 def _odds(w: Weights, felt: Array) -> Array:
-    hidden = np.tanh(np.matmul(felt[:, :, None, :], w.into) + w.bias)
+    hidden = np.matmul(felt[:, :, None, :], w.into)
+    hidden += w.bias
+    np.tanh(hidden, out=hidden)
     return np.asarray(np.matmul(hidden, w.out[:, None])[:, :, 0, 0] + w.base)
 
 

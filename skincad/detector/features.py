@@ -21,7 +21,8 @@ FLOOR = 3.0  # noise rms, below which nothing is a signal
 OF_SUM = 0.3  # of a sum counts as much as a pair's difference
 MOST = 4.0  # of what is usual
 
-Means = dict[str, list[Array]]
+PAIR, SUM, OTHERS, OTHERS_SUM, PAIR2, SUM2, OTHERS2, OTHERS_SUM2, PAIR_OTHERS, PAIR_SUM = range(len(KINDS))
+COUNT = 80  # features
 
 
 def at_rest(ridges: int) -> Array:
@@ -29,33 +30,38 @@ def at_rest(ridges: int) -> Array:
     return np.zeros((len(SPANS), 1, len(KINDS) * ridges))
 
 
-def means(window: int, outputs: Array, state: Array) -> tuple[Means, Array]:
-    """Return by kind the value and its running means `(n, ridges)` of `outputs` `(n, ridges, 2)`, and the
-    state behind them."""
-    pair, total = outputs[:, :, 0] - outputs[:, :, 1], outputs[:, :, 0] + outputs[:, :, 1]
-    rest, rest_sum = of_others(pair), of_others(total)
-    products = [pair * pair, total * total, rest * rest, rest_sum * rest_sum, pair * rest, pair * total]
-    raw = np.concatenate([pair, total, rest, rest_sum, *products], axis=1)
-    rows, after = [raw], state.copy()
-    for k, span in enumerate(SPANS):
-        if raw.shape[0]:
-            share = 1.0 / (1.0 + span * window)
-            mean, after[k] = lfilter([share], [1.0, share - 1.0], raw, axis=0, zi=state[k])
-            rows.append(mean)
-        else:
-            rows.append(raw)
-    parts = [np.split(row, len(KINDS), axis=1) for row in rows]
-    return {kind: [part[i] for part in parts] for i, kind in enumerate(KINDS)}, after
+def means(window: int, outputs: Array, state: Array) -> tuple[dict[str, Array], Array]:
+    """Return by kind the value and its running means `(1 + spans, n, ridges)` of `outputs` `(n, ridges, 2)`,
+    and the state behind them."""
+    every, after = _means(window, outputs, state)
+    return {kind: every[:, place] for place, kind in enumerate(KINDS)}, after
+
+
+def _means(window: int, outputs: Array, state: Array) -> tuple[Array, Array]:
+    """The same of all kinds, `(1 + spans, kinds, n, ridges)`."""
+    count, ridges, _ = outputs.shape
+    every = np.empty((1 + len(SPANS), len(KINDS), count, ridges))
+    raw, after = every[0], state.copy()
+    np.subtract(outputs[:, :, 0], outputs[:, :, 1], out=raw[PAIR])
+    np.add(outputs[:, :, 0], outputs[:, :, 1], out=raw[SUM])
+    raw[OTHERS : OTHERS_SUM + 1] = of_others(raw[PAIR : SUM + 1])
+    np.multiply(raw[PAIR : OTHERS_SUM + 1], raw[PAIR : OTHERS_SUM + 1], out=raw[PAIR2 : OTHERS_SUM2 + 1])
+    np.multiply(raw[PAIR], raw[[OTHERS, SUM]], out=raw[PAIR_OTHERS : PAIR_SUM + 1])
+    for k, span in enumerate(SPANS if count else ()):
+        share = 1.0 / (1.0 + span * window)
+        before = state[k].reshape(len(KINDS), 1, ridges)
+        every[k + 1], end = lfilter([share], [1.0, share - 1.0], raw, axis=1, zi=before)
+        after[k] = end.reshape(1, -1)
+    return every, after
 
 
 def of_others(values: Array) -> Array:
-    """Return for each ridge the mean of the other ridges' values `(n, ridges)`; 0 for a ridge alone."""
-    count = values.shape[1]
+    """Return for each ridge the mean of the other ridges' values `(..., ridges)`; 0 for a ridge alone."""
+    count = values.shape[-1]
     sums = np.zeros_like(values)
-    for k in range(count):
-        for j in range(count):
-            if j != k:
-                sums[:, k] += values[:, j]
+    for k in range(count):  # one after the other, so that each sum has the same bits in blocks of any size
+        sums[..., :k] += values[..., k : k + 1]
+        sums[..., k + 1 :] += values[..., k : k + 1]
     return np.asarray(sums / max(1, count - 1))
 
 
@@ -65,10 +71,10 @@ def bounded(x: Array) -> Array:
 
 
 def beside(values: Array, side: Array, ahead: bool) -> Array:
-    """Return the values of each ridge's monitored neighbour, ahead of its pull or behind; 0 without."""
-    nothing = np.zeros_like(values[:, :1])
-    up = np.concatenate([values[:, 1:], nothing], axis=1)
-    down = np.concatenate([nothing, values[:, :-1]], axis=1)
+    """Return the values `(..., ridges)` of each ridge's monitored neighbour, ahead of its pull or behind; 0
+    without."""
+    up, down = np.zeros_like(values), np.zeros_like(values)
+    up[..., :-1], down[..., 1:] = values[..., 1:], values[..., :-1]
     return np.where((side > 0) == ahead, up, down)
 
 
@@ -77,57 +83,63 @@ def features(
 ) -> tuple[Array, Array, Array]:
     """Return `(n, ridges, features)` of `outputs` `(n, ridges, 2)` V, how many noise rms the pairs' last
     window had, `(n, ridges)`, both at the samples `asked`, and the state; `noise` V rms of a pair."""
-    every, after = means(window, outputs, state)
-    m = {kind: [part[asked] for part in parts] for kind, parts in every.items()}
+    every, after = _means(window, outputs, state)
+    m = np.ascontiguousarray(every[:, :, asked]).swapaxes(0, 1)  # by kind, then by span
     least = (FLOOR * noise) ** 2
-    side = np.where(m["pair"][5] < 0, -1.0, 1.0)
-    usual = {k: np.sqrt(m["pair^2"][k] + OF_SUM**2 * m["sum^2"][k] + least) for k in (3, 4, 5)}
-    columns = _own(m, side, usual) + _tied(m, side, usual, least) + _neighbours(m, side, usual[4])
-    columns += _sizes(m, usual, noise, least)
-    return np.stack(columns, axis=2), np.sqrt(m["pair^2"][2]) / noise, after
+    side = np.where(m[PAIR, 5] < 0, -1.0, 1.0)
+    usual = np.sqrt(m[PAIR2, 3:6] + OF_SUM**2 * m[SUM2, 3:6] + least)  # of the spans 3, 4 and 5
+    columns = np.empty((COUNT, *side.shape))
+    _fill_own(columns[:30], m, side, usual)
+    _fill_tied(columns[30:52], m, side, usual, least)
+    _fill_neighbours(columns[52:64], m, side, usual[1])
+    _fill_sizes(columns[64:], m, usual, noise, least)
+    for part in (columns[:48], columns[49:57], columns[58:63]):  # all that is no share and no logarithm
+        part[...] = bounded(part)
+    return np.ascontiguousarray(columns.transpose(1, 2, 0)), np.sqrt(m[PAIR2, 2]) / noise, after
 
 
-def _own(m: Means, side: Array, usual: dict[int, Array]) -> list[Array]:
+def _fill_own(columns: Array, m: Array, side: Array, usual: Array) -> None:
     """What a ridge and the mean of the others feel, against the usual."""
-    columns = []
-    for kind in ("pair", "sum", "others", "others' sum"):
-        sign = side if kind in {"pair", "others"} else 1.0
-        columns += [bounded(m[kind][k] * sign / usual[4]) for k in range(6)]
-    columns += [bounded(m["pair"][k] * side / usual[3]) for k in (0, 1, 2)]
-    return columns + [bounded(m["pair"][k] * side / usual[5]) for k in (0, 2, 5)]
+    pulled = m[PAIR, :6] * side
+    columns[0:6] = pulled / usual[1]
+    columns[6:12] = m[SUM, :6] / usual[1]
+    columns[12:18] = m[OTHERS, :6] * side / usual[1]
+    columns[18:24] = m[OTHERS_SUM, :6] / usual[1]
+    columns[24:27] = pulled[:3] / usual[0]
+    columns[27:30] = pulled[[0, 2, 5]] / usual[2]
 
 
-def _tied(m: Means, side: Array, usual: dict[int, Array], least: float) -> list[Array]:
+def _fill_tied(columns: Array, m: Array, side: Array, usual: Array, least: float) -> None:
     """How a ridge departs from following the others, its own sum, or its own load as a ridge that slips."""
-    columns = []
-    for k in (3, 4, 5):
-        follows = m["pair others"][k] / (m["others^2"][k] + least)
-        tied = m["pair sum"][k] / (m["sum^2"][k] + least)
-        for fast in (0, 2):
-            columns.append(bounded((m["pair"][fast] - follows * m["others"][fast]) * side / usual[k]))
-            columns.append(bounded((m["pair"][fast] - tied * m["sum"][fast]) * side / usual[k]))
-        columns += [bounded(follows), bounded(tied * side)]
-    load = m["pair"][6] / (np.abs(m["sum"][6]) + np.abs(m["pair"][6]) + np.sqrt(least) * 0.01)
-    columns.append(load * side)
-    cone = m["pair"][6] / (np.abs(m["sum"][6]) + np.sqrt(least) * 0.01)
-    return columns + [bounded((m["pair"][k] - cone * m["sum"][k]) * side / usual[4]) for k in (0, 2, 3)]
+    follows = m[PAIR_OTHERS, 3:6] / (m[OTHERS2, 3:6] + least)
+    tied = m[PAIR_SUM, 3:6] / (m[SUM2, 3:6] + least)
+    spans = columns[:18].reshape(3, 6, *side.shape)
+    for place, fast in ((0, 0), (2, 2)):
+        spans[:, place] = (m[PAIR, fast] - follows * m[OTHERS, fast]) * side / usual
+        spans[:, place + 1] = (m[PAIR, fast] - tied * m[SUM, fast]) * side / usual
+    spans[:, 4], spans[:, 5] = follows, tied * side
+    pressed = np.abs(m[SUM, 6])
+    columns[18] = m[PAIR, 6] / (pressed + np.abs(m[PAIR, 6]) + np.sqrt(least) * 0.01) * side
+    cone = m[PAIR, 6] / (pressed + np.sqrt(least) * 0.01)
+    for place, k in enumerate((0, 2, 3), 19):
+        columns[place] = (m[PAIR, k] - cone * m[SUM, k]) * side / usual[1]
 
 
-def _neighbours(m: Means, side: Array, usual: Array) -> list[Array]:
+def _fill_neighbours(columns: Array, m: Array, side: Array, usual: Array) -> None:
     """What the monitored ridges ahead and behind feel."""
-    columns = []
-    for ahead in (True, False):
-        columns += [bounded(beside(m["pair"][k], side, ahead) * side / usual) for k in (1, 2, 3)]
-        columns += [bounded(beside(m["sum"][k], side, ahead) / usual) for k in (1, 2)]
-        columns.append(beside(np.ones_like(side), side, ahead))
-    return columns
+    there = np.ones_like(side)
+    for place, ahead in ((0, True), (6, False)):
+        columns[place : place + 3] = beside(m[PAIR, 1:4], side, ahead) * side / usual
+        columns[place + 3 : place + 5] = beside(m[SUM, 1:3], side, ahead) / usual
+        columns[place + 5] = beside(there, side, ahead)
 
 
-def _sizes(m: Means, usual: dict[int, Array], noise: float, least: float) -> list[Array]:
+def _fill_sizes(columns: Array, m: Array, usual: Array, noise: float, least: float) -> None:
     """How much is going on, in logarithms, against the noise, against before, and in what."""
-    levels = [np.log(m["pair^2"][k] + least) for k in range(1, 7)]
-    columns = [np.log(usual[k] / noise) / 4 for k in (3, 5)]
-    columns += [(levels[k] - levels[4]) / 4 for k in (0, 1, 2, 3, 5)]
-    columns += [(np.log(m["sum^2"][k] + least) - levels[k - 1]) / 4 for k in (1, 2, 4, 6)]
-    columns += [(np.log(m["others^2"][k] + least) - levels[k - 1]) / 4 for k in (1, 2, 4, 6)]
-    return [*columns, (np.log(m["others' sum^2"][4] + least) - levels[3]) / 4]
+    levels = np.log(m[PAIR2, 1:] + least)
+    columns[:2] = np.log(usual[::2] / noise) / 4
+    columns[2:7] = (levels[[0, 1, 2, 3, 5]] - levels[4]) / 4
+    some, before = [1, 2, 4, 6], [0, 1, 3, 5]
+    columns[7:11] = (np.log(m[SUM2][some] + least) - levels[before]) / 4
+    columns[11:15] = (np.log(m[OTHERS2][some] + least) - levels[before]) / 4
+    columns[15] = (np.log(m[OTHERS_SUM2, 4] + least) - levels[3]) / 4

@@ -6,6 +6,7 @@ from skincad.base.faces import face
 __getattr__, __dir__ = face(
     __name__,
     """
+    channels: ChannelsPage envelope
     page: Page
     serve: free_port
     session: apply_moves start_session

@@ -1,4 +1,4 @@
-"""The plots of a scene: its history, and the newest signals below it; as keywords of viser's uPlot."""
+"""The plots of a scene, its history and its newest signals, and of films' channels; as keywords of uPlot."""
 
 from __future__ import annotations
 
@@ -28,6 +28,11 @@ def signals_plot(signals: Signals, *, fresh: bool) -> dict[str, Any]:
     """Return the plot of the differential stress of each monitored ridge, grey if the scene moved on."""
     curves = {f"ridge {ridge}, MPa": stress for ridge, stress in signals.stress.items()}
     return _plot(signals.time, curves, COLOURS if fresh else (OLDER,), points=False)
+
+
+def channels_plot(time: Array, s1: Array, s2: Array) -> dict[str, Any]:
+    """Return the plot of a ridge's two strips, V."""
+    return _plot(time, {"S1, V": s1, "S2, V": s2}, COLOURS, points=False)
 
 
 def _plot(time: Array, curves: dict[str, Array], colours: Sequence[str], *, points: bool) -> dict[str, Any]:

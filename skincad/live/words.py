@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from skincad.live.session import Session
 from skincad.mechanics.verdict import ContactCheck
@@ -10,6 +10,7 @@ from skincad.outputs import checks
 from skincad.outputs.pages import html
 
 if TYPE_CHECKING:
+    from skincad.detector.listening import Listener
     from skincad.live.desk import Desk
 
 PAGE = "live.html"
@@ -78,3 +79,8 @@ def signals_html(desk: Desk) -> str:
     signals = desk.signals.what if desk.signals else None
     fresh = desk.is_current(desk.signals)
     return html(PAGE, "signals", signals, fresh, desk, _trouble(desk))
+
+
+def listening_html(name: str, listener: Listener, events: list[dict[str, Any]]) -> str:
+    """Return what a detector that listens has heard, the newest of its events first."""
+    return html(PAGE, "listening", name, listener, events)

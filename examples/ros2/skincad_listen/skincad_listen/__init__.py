@@ -1,0 +1,1 @@
+"""What `skincad listen` hears, as ROS 2 topics."""
