@@ -39,6 +39,7 @@ RESULTS = {  # a command, and the record that its --json prints
     "accuracy": "studies.accuracy.accuracy:Accuracy",
     "fit-material": "material.modulus:MaterialFit",
     "accept": "material.acceptance:Acceptance",
+    "listen --taps": "detector.taps:TapTest",
     "coupon": "fabrication.coupon:CouponKit",
     "coupon --measured": "fabrication.coupon:CouponReading",
     "package": "outputs.simulators.package:Package",

@@ -95,6 +95,7 @@ ACCEPTANCE = Presentation(
     writers=lambda result: {"accept.txt": text(lambda: f"{result}\n")},
     figures=drawn("accept.png", "results:acceptance_figure"),
 )
+TAPS = Presentation(COMMAND="listen", words="taps.txt")
 # a folder in which the same command left forms keeps them: this result has its own manifest
 
 
