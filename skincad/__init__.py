@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from skincad.outputs.delivery import write as write
     from skincad.outputs.detector_code import export as export
     from skincad.outputs.simulators.package import package as _package
-    from skincad.scenes.acceptance import accept_recording as _accept_recording
     from skincad.scenes.scene import Scene as Scene
     from skincad.scenes.scene import load_scene as load_scene
     from skincad.scenes.simulation import simulate as _simulate
@@ -73,7 +72,6 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "Scene": "scenes.scene:Scene",
     "Study": "studies.study:Study",
     "accept": "material.acceptance:accept",
-    "accept_recording": "scenes.acceptance:accept_recording",
     "advise": "studies.advice:advise",
     "accuracy": "studies.accuracy.accuracy:accuracy",
     "board": "circuit.boards:board",
@@ -154,7 +152,6 @@ def by_name(function: Callable[Concatenate[S, P], R]) -> Callable[Concatenate[S 
 
 if TYPE_CHECKING:
     accept = by_name(_accept)
-    accept_recording = by_name(_accept_recording)
     accuracy = by_name(_accuracy)
     advise = by_name(_advise)
     board = by_name(_board)

@@ -17,7 +17,6 @@ KEPT = {
     "skincad.solids.occ:solid": 512,
     "skincad.mechanics.film.response:film_response": 16,
     "skincad.outputs.simulators.package:package": 16,
-    "skincad.scenes.film_prediction:predict_films": 16,
 }
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import skincad
 from skincad.base.errors import InputError
-from skincad.base.progress import stage_bar, step_bar
+from skincad.base.progress import stage_bar
 from skincad.cli import options
 from skincad.cli.options import argument, completes, option
 from skincad.cli.printing import as_typed, deliver, leave, out_folder, report, show
@@ -112,17 +112,13 @@ def accept(
     sources: Annotated[
         list[str],
         options.argument(
-            "PRESS DESIGN|SCENE",
-            "A CSV with the columns approach_mm, force_N, and a template's name or a TOML file; with "
-            "--recording only the latter, a scene's.",
+            "PRESS DESIGN",
+            "A CSV with the columns approach_mm, force_N, and a template's name or a TOML file.",
         ),
     ],
     recording: Annotated[
         Path | None,
-        option(
-            "--recording CSV",
-            "The films' voltages as the scene is played: columns time_s and a strip each, as ridge_3_S1_V.",
-        ),
+        option("--recording CSV", "Refused: it names the command that judges films now.", hidden=True),
     ] = None,
     settings: options.Settings = [],  # noqa: B006
     silicones: options.Silicones = None,
@@ -149,17 +145,19 @@ def accept(
     *,
     display: options.Display,
 ) -> None:
-    """Say whether a finished part is good, by a press: in, out or can't tell; or which films work.
+    """Say whether a finished part is good, by a press: in, out or can't tell.
 
-    PRESS DESIGN compares force against approach under a flat plate with what the design's parts give, and
-    names the cause that fits best. --recording CSV SCENE compares the films' voltages with the scene's, and
-    names dead, reversed and swapped strips.
+    It compares force against approach under a flat plate with what the design's parts give, and names the
+    cause that fits best.
     """
     from skincad.base.outfolder import checked_fresh
 
-    wanted = 1 if recording is not None else 2
-    if len(sources) != wanted:
-        rule = "must be a press and a design" if wanted > 1 else "must be one scene beside --recording"
+    if recording is not None:
+        rule = "is no option any more: films are judged by taps on the ridges, without a scene"
+        remedy = "`skincad listen --taps DESIGN --csv FILE`"
+        raise InputError("recording", rule, str(recording), remedy)
+    if len(sources) != 2:
+        rule = "must be a press and a design"
         raise InputError("arguments", rule, " ".join(sources), "see `skincad accept --help`")
     given = {
         "force_error": force_error, "approach_error": approach_error, "ruled_out": ruled_out or None,
@@ -168,14 +166,6 @@ def accept(
     said: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
     source = sources[-1]
     typed = as_typed(source, settings, silicones=silicones)
-    if recording is not None:
-        for key, value in ({**said, "update": update} if update is not None else said).items():
-            raise InputError(key, "is of a press, not of a recording", str(value), "leave it out")
-        scene = skincad.load_scene(source, settings, silicones=silicones)
-        with step_bar(scene.history.step_count) as tick:
-            films = skincad.accept_recording(scene, recording, tick=tick)
-        show(films.as_json(), display.as_json, report(films, typed, verbose=display.verbose))
-        leave(films)
     if update is not None:
         checked_fresh(update, ".toml", "update")
     press = Path(sources[0])

@@ -17,12 +17,13 @@ from skincad.base.progress import step_bar
 from skincad.cli import options
 from skincad.cli.detectors import Wiring, detector_of
 from skincad.cli.options import option
-from skincad.cli.printing import as_typed, deliver, leave, out_folder, say
+from skincad.cli.printing import as_typed, deliver, leave, out_folder, report, say, show
 
 if TYPE_CHECKING:
     from skincad.detector.detector import Detector
-    from skincad.detector.listening import Listener
+    from skincad.detector.listening import Listener, RecordingFile
     from skincad.detector.wire import Block, Wire
+    from skincad.inputs.recordings import FilmRecording
 
 
 def simulate(
@@ -124,6 +125,10 @@ def listen(
     record: Annotated[
         Path | None, option("--record FILE", "Write what comes as a CSV, which --csv reads again.")
     ] = None,
+    taps: Annotated[
+        bool,
+        option("--taps", "Tap ridge after ridge: names dead, swapped, reversed, weak and clipped channels."),
+    ] = False,
     page: Annotated[bool, option("--page", "Show channels and alarms in the browser, here alone.")] = False,
     baud: Annotated[
         int, option("--baud N", "Of a serial port that needs it; USB boards take any.")
@@ -136,12 +141,13 @@ def listen(
     silicones: options.Silicones = None,
     *,
     wiring: Wiring,
+    display: options.Display,
 ) -> None:
     """Hear slip in the films' voltages, from a board or a recording.
 
     Prints a JSON line for each alarm as it comes, for lost samples and for a board that restarts, and at the
     end a summary. Nothing may touch the skin in the first half second: its mean is the resting voltage.
-    Ctrl-C ends it and keeps the recording.
+    Ctrl-C ends it and keeps the recording. --taps judges the channels instead, by a tap on each ridge.
     """
     from skincad.detector import listening
 
@@ -151,12 +157,25 @@ def listen(
     if rest or (port is None) == (recorded is None):
         rule = "must be a design or scene, and one of --port PORT, --csv FILE and -"
         raise InputError("arguments", rule, " ".join(sources), "see `skincad listen --help`")
-    detector, _, _ = detector_of(source, settings, wiring, options.Workshop(silicones=silicones))
+    if taps and page:
+        raise InputError("page", "is not of --taps", remedy="leave it out")
+    detector, design, _ = detector_of(source, settings, wiring, options.Workshop(silicones=silicones))
     recording = None
     if record is not None:
         if port is None and recorded != "-":
             raise InputError("record", "is of a port or of standard input", str(record), "leave it out")
         recording = listening.RecordingFile(record, f"{source}, {port or 'standard input'}", detector.rate)
+    if taps:
+        from skincad.detector.taps import tap_test
+        from skincad.inputs.recordings import film_recording
+
+        if port is None and recorded != "-":
+            films = film_recording(recorded or "", detector.ridges)
+        else:
+            films = _tapped(detector, *_stream(detector, port, recorded, baud, timeout), recording)
+        result = tap_test(films, design.name)
+        show(result.as_json(), display.as_json, report(result, verbose=display.verbose))
+        leave(result)
     wire, blocks = _stream(detector, port, recorded, baud, timeout)
     listener = listening.Listener(detector)
     console = _Console(listener, f"{source}, {wire.name}")
@@ -186,6 +205,26 @@ def listen(
             sleep(POLL)
     finally:
         shown.close()
+
+
+def _tapped(
+    detector: Detector, wire: Wire, blocks: Iterator[Block], recording: RecordingFile | None
+) -> FilmRecording:
+    """The recording of a stream while a person taps ridge after ridge, until all were tapped or Ctrl-C."""
+
+    def written() -> Iterator[Block]:
+        for block in blocks:
+            if recording is not None:
+                recording.write(wire, block)
+            yield block
+
+    from skincad.detector.taps import hear_taps
+
+    try:
+        return hear_taps(detector, written(), lambda text: print(text, file=sys.stderr, flush=True))
+    finally:
+        if recording is not None:
+            recording.close()
 
 
 def _stream(

@@ -1,4 +1,4 @@
-"""What hears a slip in the films' outputs: features, weights, the detector."""
+"""What hears a slip in the films' outputs, and the tap test of its channels."""
 
 from skincad.base.faces import face
 
@@ -9,6 +9,7 @@ __getattr__, __dir__ = face(
     detector: AHEAD Alarm BACK Detector EARLY INCIPIENT POINTS RIDGES SEEN SKIN SURE Tuning Weights taken
         tuned weights
     listening: Listener listen port_blocks port_chunks wire_of
+    taps: TapTest tap_test
     wire: Block Wire
     """,
 )

@@ -50,7 +50,7 @@ __getattr__, __dir__ = face(
         ReaderContext SceneOutline Share Step Term share_of
     modal: ModalPad
     moving: MovingPad
-    piezo: Chain Piezo SIDES strip_charges
+    piezo: Chain Piezo strip_charges
     pin_pad: SLIDING STICKING left_out
     small_strain: CondensedPad SmallStrain
     """,

@@ -19,7 +19,7 @@ __getattr__, __dir__ = face(
         read_crests read_notches
     mold_table: Mount
     process: PROCESSES Process processes
-    recordings: FilmRecording check_time column_name film_recording
+    recordings: FilmRecording film_recording
     shipped: table_text templates_folder
     silicone: SOFTEST STIFFEST Silicone silicones
     skin_tables: Base Film Material Plate Shot Slot

@@ -1,9 +1,11 @@
-"""A recording of the films: a time and a voltage of each strip, as a person's CSV has them."""
+"""A recording of the films: a time and a value of each strip, as a person's CSV has them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Collection
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -12,20 +14,28 @@ from skincad.base.arrays import Array
 from skincad.base.columns import read_columns
 from skincad.base.errors import InputError
 
-FEWEST_ROWS = 20  # assumption: fewer show no press
-CLIPPED_SHARE = 0.2  # assumption: of the rows at one end, from which on a press is not seen
-REST_ROWS, NOISY = 10, 3  # of the first rows so many values differ where noise is finer than the converter
+HEAD = 200_000  # bytes, in which the columns' names are
+_CHANNEL = re.compile(r"\bridge_(\d{1,4})_(S[12])(_V|_mV|_counts|)(?![\w])")
+FEWEST_ROWS = 20  # assumption: fewer show no tap
 
 
 @dataclass(frozen=True, eq=False)
 class FilmRecording:
-    """Voltages `(strips, samples)` V of `strips` (ridge from 1, side) at `time` `(samples,)` s. `notes` say
-    how its file was read."""
+    """Values `(strips, samples)` of `strips` (ridge from 1, side) at even `time` `(samples,)` s.
+
+    `unit` is V, mV, counts of a converter, or "" where it is not known. `notes` say how its file was read.
+    """
 
     strips: tuple[tuple[int, str], ...]
     time: Array
-    volts: Array
+    values: Array
     notes: tuple[str, ...] = ()
+    unit: str = "V"
+
+    @property
+    def rate(self) -> float:
+        """Samples per second, Hz."""
+        return (self.time.size - 1) / float(self.time[-1] - self.time[0])
 
 
 def column_name(ridge: int, side: str) -> str:
@@ -33,47 +43,37 @@ def column_name(ridge: int, side: str) -> str:
     return f"ridge_{ridge}_{side}_V"
 
 
-def film_recording(path: Path | str, strips: Sequence[tuple[int, str]]) -> FilmRecording:
-    """Return the recording of a CSV with `time_s` and a column a strip, as `ridge_3_S1_V`.
+def film_recording(path: Path | str, ridges: Collection[int]) -> FilmRecording:
+    """Return the recording of a CSV with `time_s` and a column a strip of these ridges, in the file's order.
 
-    `simulate`'s signals.csv does too. Raises InputError for a missing column, time that does not grow, too
-    few rows, and a voltage that is clipped or at its amplifier's rails.
+    A column is `ridge_3_S1_V`, or with `_mV`, `_counts` of a converter or nothing in the place of `_V`; all
+    have one of these. Times that are not even are those of even samples where they are off by less than a
+    step, as a logger's clock is; else the values are interpolated. Raises InputError for a file without
+    such a column, for two units, time that does not grow, and too few rows.
     """
-    name = str(path)
-    wanted = [column_name(ridge, side) for ridge, side in strips]
+    name, path = str(path), Path(path)
+    with path.open("rb") if path.is_file() else BytesIO() as file:
+        head = file.read(HEAD).decode("latin-1")
+    cells = dict.fromkeys(_CHANNEL.findall(head))
+    strips = [(int(ridge), side) for ridge, side, _ in cells if int(ridge) in ridges]
+    units = {unit for ridge, _, unit in cells if int(ridge) in ridges}
+    if len(units) > 1:
+        raise InputError(name, "must have one unit in all channels", ", ".join(sorted(units)))
+    unit = units.pop() if units else "_V"
+    first = min(ridges)
+    wanted = [f"ridge_{ridge}_{side}{unit}" for ridge, side in strips or [(first, "S1"), (first, "S2")]]
     columns = read_columns(path, ("time_s", *wanted))
     time = columns["time_s"]
     if time.size < FEWEST_ROWS:
-        rule = f"must have at least {FEWEST_ROWS} rows"
-        raise InputError(
-            name, rule, int(time.size), "record the whole press, with a moment of rest before it"
-        )
+        raise InputError(name, f"must have at least {FEWEST_ROWS} rows", int(time.size), "record all taps")
     check_time(time, f"{name}, row {{}}", "time_s")
-    volts = np.array([columns[column] for column in wanted])
-    for column, row in zip(wanted, volts, strict=True):
-        _check_range(f"{name}, {column}", row, float(np.median(np.abs(volts).max(axis=1))))
-    return FilmRecording(tuple(strips), time, volts, columns.notes)
-
-
-def _check_range(where: str, volts: Array, usual: float) -> None:
-    """Raise InputError for volts `(samples,)` cut at one end: a share of them is its very value, the others
-    and those at rest differ; or at the rails of their amplifier, beyond what strips `usual`ly reach.
-
-    A strip that is dead or coarsely converted is read.
-    """
-    values, rows = np.unique(volts, return_counts=True)
-    if values.size == 2 and np.abs(values).max() > usual:
-        rule = "must be a film's signal; each of its rows is one of two values"
-        remedy = "see to its amplifier, or leave the ridge out of readout.ridges"
-        raise InputError(where, rule, float(values[1]), remedy)
-    at_rest = np.unique(volts[:REST_ROWS]).size
-    for end, word in ((0, "least"), (-1, "largest")):
-        others = volts.size - int(rows[end])
-        cut = rows[end] >= CLIPPED_SHARE * volts.size and values.size - 1 >= (1 - CLIPPED_SHARE) * others
-        if cut and at_rest >= NOISY:
-            rule = f"must not be clipped; {rows[end]} of {volts.size} rows are its {word} value"
-            remedy = "record again with less gain, a wider range or both signs"
-            raise InputError(where, rule, float(values[end]), remedy)
+    values = np.array([columns[column] for column in wanted])
+    even = np.linspace(time[0], time[-1], time.size)
+    step = float(np.median(np.diff(time)))
+    if np.abs(time - even).max() > step:
+        even = np.arange(time[0], time[-1], step)
+        values = np.array([np.interp(even, time, row) for row in values])
+    return FilmRecording(tuple(strips), even, values, columns.notes, unit.removeprefix("_"))
 
 
 def check_time(time: Array, where: str, key: str) -> None:

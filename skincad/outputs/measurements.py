@@ -1,5 +1,4 @@
-"""Output of what is measured: a machine on a coupon, a silicone on bar and pad, and finished parts by a press
-or by a recording of their films."""
+"""Output of what is measured: a machine on a coupon, a silicone on bar and pad, finished parts by a press."""
 
 from __future__ import annotations
 
@@ -28,8 +27,6 @@ from skincad.material.laws import FITTED_SHARE
 from skincad.material.modulus import MaterialFit
 from skincad.outputs.delivery import Presentation, drawn, text
 from skincad.outputs.tomls import ranged_toml
-from skincad.scenes.acceptance import CANT_TELL, RecordingAcceptance
-from skincad.scenes.strip_assignment import WORKS
 from skincad.solids.coupon import NOTCHES
 from skincad.solids.plan import Part
 
@@ -85,11 +82,6 @@ def _rounded(value: Any) -> Any:
     return float(f"{value:.6g}") if isinstance(value, float) else value
 
 
-def _like_pairs(result: RecordingAcceptance) -> list[tuple[str, ...]]:
-    """Which strips could have changed places without the recording's showing it."""
-    return sorted({tuple(sorted((strip.name, other))) for strip in result.strips for other in strip.alike})
-
-
 FIT = Presentation(
     COMMAND="fit-material",
     words="fit-material.txt",
@@ -103,11 +95,7 @@ ACCEPTANCE = Presentation(
     writers=lambda result: {"accept.txt": text(lambda: f"{result}\n")},
     figures=drawn("accept.png", "results:acceptance_figure"),
 )
-RECORDING = Presentation(
-    COMMAND="accept",
-    words="accept-recording.txt",
-    facts={"CANT_TELL": CANT_TELL, "WORKS": WORKS, "like_pairs": _like_pairs},
-)
+TAPS = Presentation(COMMAND="listen", words="taps.txt")
 # a folder in which the same command left forms keeps them: this result has its own manifest
 
 

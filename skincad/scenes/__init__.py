@@ -6,10 +6,8 @@ from skincad.base.faces import face
 __getattr__, __dir__ = face(
     __name__,
     """
-    acceptance: CANT_TELL RecordingAcceptance accept_recording judge strip_name
     alarms: NOTHING NOT_AHEAD PASSING Score report score
     errors: BySource Slips intervals near_chosen slip_errors slips_of
-    film_prediction: FilmPrediction modulus_range predict_films recorded_scene varied with_modulus
     march: GROSS_SLIP LEVELS Level March expected frames
     plan: IN_CHOSEN_STEPS DEFAULT_TOLERANCE FREE_ENDS SMALL_STRAIN chosen_steps folds
         held_against_rounder left_out_effects path_of with_rounder_fillets
@@ -17,6 +15,5 @@ __getattr__, __dir__ = face(
     scene: History LAW PIN_EFFECTS Readout Scene ScenePlate load_scene
     simulation: SceneRun Simulation at_level energy friction_cone marched marching read_out shown_signal
         simulate
-    strip_assignment: WORKS
     """,
 )

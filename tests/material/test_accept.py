@@ -375,3 +375,10 @@ def test_bad_input_is_one_line_and_nothing_is_written(tmp_path: Path) -> None:
     WHOLE.write(tmp_path)
     (tmp_path / "mine.toml").write_text("")
     assert refused_command(*UPDATE, cwd=tmp_path).startswith("--update: ")
+
+
+@pytest.mark.slow
+def test_a_recording_is_judged_by_another_command(tmp_path: Path) -> None:
+    said = refused_command("accept", "--recording", "film.csv", "scene.toml", cwd=tmp_path)
+    assert said.startswith("--recording: ")
+    assert said.endswith("`skincad listen --taps DESIGN --csv FILE`")
