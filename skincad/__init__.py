@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from skincad.circuit.model import Circuit as Circuit
     from skincad.circuit.model import load_circuit as load_circuit
     from skincad.detector.detector import Detector as Detector
+    from skincad.detector.taps import tap_test as tap_test
     from skincad.fabrication.films import film_offers as _film_offers
     from skincad.fabrication.making import make as _make
     from skincad.inputs.catalog import load as load
@@ -97,6 +98,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "skin_solid": "solids.skin:skin_solid",
     "solve": "studies.solving:solve",
     "sweep": "studies.sweeping:sweep",
+    "tap_test": "detector.taps:tap_test",
     "template_names": "inputs.catalog:template_names",
     "write": "outputs.delivery:write",
 }

@@ -1,9 +1,9 @@
 """What README.md, docs/ and examples/ show works: each command, Python line and cell, in one folder for each.
 
 A block of csv or toml right after a line that ends in a file's name and a colon is that file. `# fails` after
-a command means status 1, `# until Ctrl-C` that it goes on until then. PORT is a simulated board. A text block right after commands is
-what the last of them prints: its first line word for word, all others but for their numbers, which are times
-and what rounding leaves.
+a command means status 1, `# until Ctrl-C` that it goes on until then. PORT is a simulated board. A text block
+right after commands is what the last of them prints: its first line word for word, all others but for their
+numbers, which are times and what rounding leaves.
 """
 
 from __future__ import annotations

@@ -137,6 +137,9 @@ def listen(
         float | None,
         option("--timeout S", "Silence that ends it; default: 2 s of a port, any of standard input."),
     ] = None,
+    rest: Annotated[
+        float, option("--rest S", "How long nothing touches at first; 0: it rests at 0 V.")
+    ] = 0.5,
     settings: options.Settings = [],  # noqa: B006
     silicones: options.Silicones = None,
     *,
@@ -146,20 +149,22 @@ def listen(
     """Hear slip in the films' voltages, from a board or a recording.
 
     Prints a JSON line for each alarm as it comes, for lost samples and for a board that restarts, and at the
-    end a summary. Nothing may touch the skin in the first half second: its mean is the resting voltage.
-    Ctrl-C ends it and keeps the recording. --taps judges the channels instead, by a tap on each ridge.
+    end a summary. Nothing may touch the skin in the first half second (--rest): its mean is the resting
+    voltage. Ctrl-C ends it and keeps the recording. --taps judges the channels instead, by a tap on each
+    ridge.
     """
     from skincad.detector import listening
 
-    source, *rest = sources
-    if rest == ["-"] and recorded is None:
-        rest, recorded = [], "-"
-    if rest or (port is None) == (recorded is None):
+    source, *more = sources
+    if more == ["-"] and recorded is None:
+        more, recorded = [], "-"
+    if more or (port is None) == (recorded is None):
         rule = "must be a design or scene, and one of --port PORT, --csv FILE and -"
         raise InputError("arguments", rule, " ".join(sources), "see `skincad listen --help`")
     if taps and page:
         raise InputError("page", "is not of --taps", remedy="leave it out")
     detector, design, _ = detector_of(source, settings, wiring, options.Workshop(silicones=silicones))
+    listener = listening.Listener(detector, rest)
     recording = None
     if record is not None:
         if port is None and recorded != "-":
@@ -177,7 +182,6 @@ def listen(
         show(result.as_json(), display.as_json, report(result, verbose=display.verbose))
         leave(result)
     wire, blocks = _stream(detector, port, recorded, baud, timeout)
-    listener = listening.Listener(detector)
     console = _Console(listener, f"{source}, {wire.name}")
 
     def tell(event: dict[str, Any]) -> None:

@@ -10,7 +10,8 @@
     {"kind": "end", "why": "interrupted", "samples": 90000, "lost": 4, "alarms": 2, "seconds": 18.0,
      "share_of_core": 0.11, ...}
 
-The mean of the first REST_SECONDS is the channels' resting voltage: nothing may touch the skin then.
+The mean of the first REST_SECONDS is the channels' resting voltage: nothing may touch the skin then. A
+listener may be told another time, or 0 for a stream that rests at 0 V, as `simulate` writes it.
 """
 
 from __future__ import annotations
@@ -288,8 +289,10 @@ class RecordingFile:
 class Listener:
     """Feeds blocks to a detector and returns events; counts samples, those lost, and alarms."""
 
-    def __init__(self, detector: Detector) -> None:
-        self.detector = detector
+    def __init__(self, detector: Detector, rest_seconds: float = REST_SECONDS) -> None:
+        if not 0 <= rest_seconds < math.inf:
+            raise InputError("rest", "must be 0 s or more, and finite", rest_seconds)
+        self.detector, self.rest_samples = detector, round(rest_seconds * detector.rate)
         self.samples = self.fed = self.lost = self.alarms = self.restarts = 0
         self.rest: Array | None = None  # (channels,) V
         self.noise = 0.0  # of the pair with most, at rest, in times of the detector's
@@ -305,9 +308,9 @@ class Listener:
         self._held.append(block)
         if self.rest is None:
             waiting = sum(held.values.shape[0] for held in self._held)
-            if waiting < round(REST_SECONDS * self.detector.rate):
+            if waiting < self.rest_samples:
                 return []
-            self._take_rest(round(REST_SECONDS * self.detector.rate))
+            self._take_rest(self.rest_samples)
         blocks, self._held = self._held, []
         return [event for held in blocks for event in self._events(held)]
 
@@ -323,10 +326,13 @@ class Listener:
 
     def _take_rest(self, count: int) -> None:
         values = np.concatenate([held.values for held in self._held])[:count]
-        self.detector.rest(values)
-        self._fresh, self.rest = self.detector.state, values.mean(axis=0)
-        pairs = values[:, 0::2] - values[:, 1::2]
-        self.noise = float(pairs.std(axis=0).max()) / self.detector.tuning.noise
+        self.rest = np.zeros(values.shape[1])
+        if count:
+            self.detector.rest(values)
+            self.rest = values.mean(axis=0)
+            pairs = values[:, 0::2] - values[:, 1::2]
+            self.noise = float(pairs.std(axis=0).max()) / self.detector.tuning.noise
+        self._fresh = self.detector.state
 
     def _events(self, block: Block) -> Iterator[dict[str, Any]]:
         numbers, times, size = block.numbers, block.times, block.values.shape[0]

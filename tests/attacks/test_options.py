@@ -13,7 +13,7 @@ from skincad.cli import run
 from skincad.cli.app import app
 
 NUMBERS = ("nan", "1e999", "-inf", "-1", "0", "abc", "")
-ALLOWED = {("--pull", "-1"), ("--pull", "0"), ("--at", "0"), ("--port", "0")}
+ALLOWED = {("--pull", "-1"), ("--pull", "0"), ("--at", "0"), ("--port", "0"), ("--rest", "0")}
 BAR = "extension_mm,force_N\n" + "\n".join(f"{i / 10},{i}" for i in range(12))
 PAD = BAR.replace("extension", "approach")
 WITH = {  # what a command needs beside the option to come as far as to look at it
@@ -25,6 +25,7 @@ WITH = {  # what a command needs beside the option to come as far as to look at 
     "accept": ["pad.csv", "yamada-2002"],
     "live": ["yamada-2002"],
     "listen": ["yamada-2002", "--csv", "pad.csv"],
+    "export": ["yamada-2002"],
     "solve": ["yamada-2002", "--target", "approach=1", "--vary", "skin.length=8:12"],
     "optimise": ["shape-for-4-N"],
     "sweep": ["yamada-2002", "--vary", "skin.length=8:12:3"],
@@ -54,9 +55,11 @@ def test_the_search_finds_them_all() -> None:
     assert sorted(numeric()) == [
         ("accept", "--approach-error"), ("accept", "--force-error"), ("accept", "--good-share"),
         ("accuracy", "--repeats"), ("check", "--budget"), ("check", "--force"), ("check", "--pull"),
-        ("check", "--tol"), ("fit-material", "--area"), ("fit-material", "--gauge-length"),
-        ("fit-material", "--up-to"), ("listen", "--baud"), ("listen", "--every"), ("listen", "--noise"),
-        ("listen", "--rate"), ("listen", "--timeout"), ("live", "--port"),
+        ("check", "--tol"), ("export", "--bandwidth"), ("export", "--every"), ("export", "--noise"), ("export", "--rate"),
+        ("fit-material", "--area"), ("fit-material", "--gauge-length"),
+        ("fit-material", "--up-to"), ("listen", "--bandwidth"), ("listen", "--baud"), ("listen", "--every"),
+        ("listen", "--noise"), ("listen", "--rate"), ("listen", "--rest"), ("listen", "--timeout"),
+        ("live", "--port"),
         ("make", "--budget"), ("optimise", "--workers"), ("simulate", "--at"),
         ("simulate", "--budget"), ("simulate", "--tol"), ("solve", "--evaluations"), ("solve", "--force"),
         ("solve", "--tol"), ("sweep", "--force"), ("sweep", "--sample"), ("sweep", "--tol"),
