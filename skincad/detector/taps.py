@@ -124,7 +124,7 @@ class TapTest(Result):
         return 0 if self.passed else 1
 
 
-def tap_test(recording: FilmRecording, name: str = "") -> TapTest:
+def tap_test(recording: FilmRecording, name: str = "taps") -> TapTest:
     """Return the state of each channel of a recording of taps, ridge after ridge.
 
     Raises InputError for a recording that is too slow, or without a channel.

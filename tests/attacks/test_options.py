@@ -55,7 +55,8 @@ def test_the_search_finds_them_all() -> None:
     assert sorted(numeric()) == [
         ("accept", "--approach-error"), ("accept", "--force-error"), ("accept", "--good-share"),
         ("accuracy", "--repeats"), ("check", "--budget"), ("check", "--force"), ("check", "--pull"),
-        ("check", "--tol"), ("export", "--bandwidth"), ("export", "--every"), ("export", "--noise"), ("export", "--rate"),
+        ("check", "--tol"), ("export", "--bandwidth"), ("export", "--every"), ("export", "--noise"),
+        ("export", "--rate"),
         ("fit-material", "--area"), ("fit-material", "--gauge-length"),
         ("fit-material", "--up-to"), ("listen", "--bandwidth"), ("listen", "--baud"), ("listen", "--every"),
         ("listen", "--noise"), ("listen", "--rate"), ("listen", "--rest"), ("listen", "--timeout"),
