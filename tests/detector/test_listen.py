@@ -28,7 +28,7 @@ from tests.detector.test_detector import RATE, RIDGES, made, slipping
 from tests.processes import started
 from tests.refusals import refused, refused_command
 
-WORDS = ("listen", "yamada-2002", "--ridges", "2,3,7", "--rate", f"{RATE:g}")
+WORDS = ("listen", "yamada-2002", "--circuit", "transimpedance", "--ridges", "2,3,7", "--rate", f"{RATE:g}")
 REST = round(0.5 * RATE)
 HEADER = ",".join(f"ridge_{ridge}_{side}_V" for ridge in RIDGES for side in ("S1", "S2"))
 
