@@ -92,12 +92,12 @@ BYPASS = fixed("100n", C0603, "Murata", "GRM188R71H104KA93D")
 class BoardPart(Record):
     """A part, with the net at each of its pins; `kind` is that of its symbol."""
 
-    reference: str = item()
-    kind: str = item()
+    reference: str = item(meaning="its name in the schematic")
+    kind: str = item(meaning="of its symbol")
     role: str = item(meaning="what it does")
-    value: str = item()
+    value: str = item(meaning="as the schematic has it")
     footprint: str = item(meaning="of KiCad's libraries")
-    maker: str = item()
+    maker: str = item(meaning="of the part")
     number: str = item(meaning="the maker's")
     nets: dict[str, str] = item(meaning="by pin")
 
@@ -106,10 +106,10 @@ class BoardPart(Record):
 class Channel(Record):
     """The way of a strip: pins of the film's header J1, amplifier, pin of J2, and input of a Teensy 4.1."""
 
-    strip: str = item()
+    strip: str = item(meaning="ridge and side")
     plus: int = item(meaning="pin of J1, the front")
     minus: int = item(meaning="pin of J1, the back, at the middle of the supply")
-    amplifier: str = item()
+    amplifier: str = item(meaning="its unit")
     output: int = item(meaning="pin of J2")
     analog: str = item(meaning="input")
     pin: int = item(meaning="of the Teensy")
@@ -120,7 +120,7 @@ class Channel(Record):
 class Purchase(Record):
     """What a circuit's key becomes: the value that can be bought, nearest to the circuit's."""
 
-    key: str = item()
+    key: str = item(meaning="of the circuit")
     circuit: float = item(meaning="SI")
     board: float = item(meaning="SI")
 
@@ -141,9 +141,9 @@ class Board(Result):
     shown_by = "skincad.outputs.boards:BOARD"
     circuit: Circuit
     constants: Constants = item(meaning="of the network, as it can be bought")
-    purchases: tuple[Purchase, ...] = item()
-    parts: tuple[BoardPart, ...] = item()
-    channels: tuple[Channel, ...] = item()
+    purchases: tuple[Purchase, ...] = item(meaning="what keys become")
+    parts: tuple[BoardPart, ...] = item(meaning="all, by reference")
+    channels: tuple[Channel, ...] = item(meaning="a strip each")
     rate: float = item("Hz", "samples a second, of the circuit")
     corner: float = item("Hz", "of the low-pass before the converter, -3 dB")
     difference: float = item("dB", "largest, of the gain up to the corner")
