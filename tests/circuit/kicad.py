@@ -17,7 +17,10 @@ MISSING = ", ".join(program for program in PROGRAMS if shutil.which(program) is 
 needs_kicad = pytest.mark.skipif(bool(MISSING), reason=f"not installed: {MISSING}")
 NETLIST_KEYS, RULES_KEYS = "ctrl+shift+n", "ctrl+alt+shift+j"
 SAVE_BUTTON = (-53, -78)  # pixels from the lower right corner of the window of the electrical rules' checker
-PATIENCE = 120  # looks, of a second and a little more each
+PATIENCE = 60  # looks, of a second and a little more each
+TRIES = (
+    4  # of an editor: a key that comes while it draws is lost now and then, and so may be a window's focus
+)
 
 
 @contextmanager
@@ -47,7 +50,8 @@ class Editor:
         return self.keys("search", "--onlyvisible", "--name", title).partition("\n")[0]
 
     def until(self, file: Path, steps: dict[str, Callable[[str], object]]) -> str:
-        """What a file holds once it is there: till then what to do with the first window that is open."""
+        """What a file holds once it is there, "" if it does not come. Till then `steps` say what to do with
+        the first window that is open."""
         for _ in range(PATIENCE):
             if file.exists() and file.stat().st_size:
                 return file.read_text()
@@ -56,7 +60,7 @@ class Editor:
                 self.keys("windowfocus", self.window(title))
                 steps[title](self.window(title))
             time.sleep(1.0)
-        pytest.fail(f"KiCad wrote no {file.name}")
+        return ""
 
     def press(self, keys: str) -> Callable[[str], object]:
         return lambda _: self.keys("mousemove", "400", "400", "sleep", "0.3", "key", keys)
@@ -72,6 +76,15 @@ class Editor:
 def netlist_and_rules(file: Path, home: Path) -> tuple[str, str]:
     """Return the netlist and the report of the electrical rules that KiCad writes of a schematic, into its
     folder; `home` is an empty folder for its settings."""
+    for number in range(TRIES):
+        netlist, report = _asked(file, home / str(number))
+        if netlist and report:
+            return netlist, report
+    pytest.fail(f"KiCad wrote no {'report' if netlist else 'netlist'} of {file.name}, {TRIES} times")
+
+
+def _asked(file: Path, home: Path) -> tuple[str, str]:
+    """What one editor writes, "" of what does not come."""
     settings = home / "kicad" / "6.0"
     settings.mkdir(parents=True)
     (settings / "sym-lib-table").write_text("(sym_lib_table)\n")
@@ -100,6 +113,8 @@ def netlist_and_rules(file: Path, home: Path) -> tuple[str, str]:
                 loaded: editor.press(NETLIST_KEYS),
             },
         )
+        if not netlist:
+            return "", ""
         report = editor.until(
             file.parent / "ERC.rpt",
             {
