@@ -6,7 +6,7 @@ from skincad.base.faces import face
 __getattr__, __dir__ = face(
     __name__,
     """
-    boards: Board BoardPart board
+    boards: Board BoardPart INPUTS board
     bode: COLUMNS CircuitGain film_load gain told_rig without_rig
     calibrate: BOUNDS FITTED PAPER_ABOVE PAPER_BELOW PAPER_CUTOFF PAPER_HIGH PAPER_LOW
     model: Circuit circuit_network constants fitted load_circuit output_offset output_swing

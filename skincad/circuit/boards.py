@@ -54,6 +54,7 @@ E24 = (10, 11, 12, 13, 15, 16, 18, 20, 22, 24, 27, 30, 33, 36, 39, 43, 47, 51, 5
 E96 = tuple(round(100 * 10 ** (k / 96)) for k in range(96))  # source: IEC 60063
 TENTHS = tuple(0.1 * n for n in range(3, 10))  # pF, steps below 1 pF; less is lost in a board's own 0.1 pF
 ORDINARY, HIGH = 10e6, 10e9  # ohm: the largest of ordinary chips, and of those of high resistance
+HALF_WAY = 10.5e6  # ohm: from there on 11 Mohm, the smallest of high resistance, is nearer
 
 # The analogue inputs of a Teensy 4.1: name, pin, converter. Some hang on one converter alone. In this order
 # the two strips of a ridge are on different ones, which can sample both at once.
@@ -234,8 +235,8 @@ def board(circuit: Circuit, strips: int | str | Sequence[str] = 8) -> Board:
 
 
 def _check_rails(amplifier: Amplifier) -> None:
-    """Raise InputError for rails that are not a board's; an amplifier without rails has no such keys."""
-    if amplifier.rails == UNLIMITED:
+    """Raise InputError for rails that are not a board's; one without rails and reference passes."""
+    if amplifier.rails == UNLIMITED and not amplifier.reference:
         return
     low, high = amplifier.rails
     half = SUPPLY / 2
@@ -262,7 +263,10 @@ def strip_names(strips: int | str | Sequence[str]) -> tuple[str, ...]:
         if not FEWEST <= count <= MOST:
             raise InputError("strips", f"must be {FEWEST} to {MOST}", count, remedy)
         return tuple(f"{1 + n // 2}S{1 + n % 2}" for n in range(count))
-    names = tuple("".join(name.split()) for name in (text.split(",") if text else count))
+    rows = text.split(",") if isinstance(strips, str) else count
+    if not isinstance(rows, Sequence) or not all(isinstance(name, str) for name in rows):
+        raise InputError("strips", "must be a number, or names as 2S1,2S2,3S1,3S2", strips)
+    names = tuple("".join(name.split()) for name in rows)
     for name in names:
         if not NAME.fullmatch(name):
             raise InputError("strips", "must be a number, or names as 2S1,2S2,3S1,3S2", name)
@@ -279,8 +283,8 @@ def resistor(value: float, key: str) -> Chip:
     if not 1.0 <= value <= HIGH:
         remedy = f"--set amplifier.{key}={min(max(value, 1), HIGH):g}"
         raise InputError(f"amplifier.{key}", f"must be 1 to {HIGH:g} ohm on a board", value, remedy)
-    if value <= ORDINARY:
-        value = _nearest(value, E96)
+    if value < HALF_WAY:
+        value = min(_nearest(value, E96), ORDINARY)
         return Chip(value, _printed(value), R0603, "Yageo", f"RC0603FR-07{_code(value)}L")
     value = max(_nearest(value, E24), 11e6)
     high, letter = (value / 1e9, "G") if value >= 1e9 else (value / 1e6, "M")
@@ -300,7 +304,7 @@ def capacitor(value: float, key: str) -> Chip:
         pico = min(TENTHS, key=lambda step: abs(step - pico))
         digits = f"{round(100 * pico)}8"
     else:
-        pico = _nearest(pico, E24)
+        pico = max(1.0, _nearest(pico, E24))
         power = math.floor(math.log10(pico) + 1e-9)
         digits = f"{round(10 * pico / 10**power)}{power - 1 if power else 9}"
     value = float(f"{pico:.6g}e-12")

@@ -192,7 +192,10 @@ def circuit(
     target = out_folder(folder, loaded.name, GAIN.COMMAND, gain_names(measured is not None))
     layout = None
     if board is not None:
-        out_folder(board, board, BOARD.COMMAND, board_names(loaded.name))
+        try:
+            out_folder(board, board, BOARD.COMMAND, board_names(loaded.name))
+        except InputError as failure:
+            raise InputError("board", failure.rule, failure.value, failure.remedy) from None
         layout = skincad.board(loaded, 8 if strips is None else strips)
     with stage_bar(2) as progress:
         result = skincad.gain(loaded, measured, progress)

@@ -127,7 +127,6 @@ def export(
     C99 without allocation, its weights, test vectors, and a sketch for a Teensy 4.1 that samples, prints and
     alarms. Without --every it decides as often as half of a Cortex-M7 of 600 MHz allows.
     """
-    from skincad.detector.detector import Detector
     from skincad.outputs import detector_code
 
     detector, design, circuit = detector_of(source, settings, wiring, workshop)
@@ -137,7 +136,7 @@ def export(
             rule = f"is too fast for {len(detector.ridges)} ridges on a Cortex-M7 of 600 MHz"
             remedy = "give a lower --rate or fewer --ridges; or --every for another processor"
             raise InputError("rate", rule, detector.rate, remedy)
-        detector = Detector.of(replace(detector.tuning, every=every), detector.ridges, detector.rate)
+        detector, _, _ = detector_of(source, settings, replace(wiring, every=every), workshop)
     result = skincad.export(detector, name=f"{design.name} behind {circuit.name}")
     target = out_folder(folder, Path(design.name, "detector"), detector_code.COMMAND, detector_code.NAMES)
     with stage_bar(1) as progress:

@@ -229,6 +229,9 @@ def _tapped(
     finally:
         if recording is not None:
             recording.close()
+            if recording.failure:
+                words = f"ends after {recording.samples} samples: {recording.failure}"
+                print(f"{recording.path} {words}", file=sys.stderr)
 
 
 def _stream(
@@ -278,7 +281,7 @@ class _Console:
             ]
             if not listener.at_rest:
                 lines.append(
-                    f"The first half second is {listener.noise:.3g} times as loud as film and amplifier. "
+                    f"What should be rest is {listener.noise:.3g} times as loud as film and amplifier. "
                     "Does something touch the skin? If the board is so loud, give its --noise."
                 )
             print(*lines, sep="\n", file=sys.stderr, flush=True)

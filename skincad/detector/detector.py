@@ -38,6 +38,7 @@ WINDOW = 3.5  # of the low-pass's delay; assumption
 FEWEST = 3  # samples of a window
 SEEN = 5.0  # noise rms of a pair, a window's mean, below which there is no alarm: noise alone reaches 2.9
 PIECE = 1000  # samples of a ridge that are heard at once: 0.8 MB of hidden values; assumption of a cache
+LOUDEST = 1e9  # noise rms, as the code in C has it: beyond, squares are no numbers of a float32
 SLOWEST = 0.1  # Hz: noise below is taken out with the resting voltage; assumption
 
 INCIPIENT, AHEAD = "incipient slip", "gross slip ahead"
@@ -110,8 +111,8 @@ class Tuning:
         for key in ("threshold", "warning"):
             if not math.isfinite(getattr(self, key)):
                 raise InputError(key, "must be finite", getattr(self, key))
-        if self.every < 1:
-            raise InputError("every", "must be at least 1 sample", self.every)
+        if self.every < 1 or self.every != int(self.every):
+            raise InputError("every", "must be at least 1 sample, a whole number", self.every)
 
 
 def tuned(rate: float, bandwidth: float, noise: float, alarms: str = SURE, every: int = 1) -> Tuning:
@@ -216,7 +217,8 @@ class Detector:
         if list(ridges) != sorted(set(ridges)) or not ridges:
             rule = "must be one or more, each once, in their order on the skin"
             raise InputError("ridges", rule, ", ".join(map(str, ridges)))
-        self.tuning, self.ridges, self.rate, self.inverted = tuning, ridges, rate, inverted
+        self.tuning, self.ridges = tuning, tuple(map(int, ridges))
+        self.rate, self.inverted = float(rate), inverted
         count = len(ridges)
         self._memory = Memory(hearing.at_rest(count), np.zeros(count + 1, bool), 0, np.zeros(2 * count))
 
@@ -237,7 +239,7 @@ class Detector:
 
         Raises InputError for another number of channels or a value that is not finite: nothing was fed then.
         """
-        values = self._checked(block) - self._memory.rest
+        values = self._heard(block)
         odds, asked, means = self._odds(values)
         levels = np.append(np.full(odds.shape[1] - 1, self.tuning.threshold), self.tuning.warning)
         told = taken(self._memory.told, odds, levels, BACK)
@@ -254,7 +256,7 @@ class Detector:
     def odds(self, block: ArrayLike) -> Array:
         """Return the logarithms of the odds that each ridge slips, and last that gross slip is ahead
         `(n asked, ridges + 1)`, of the next samples; they are not fed."""
-        return self._odds(self._checked(block) - self._memory.rest)[0]
+        return self._odds(self._heard(block))[0]
 
     @property
     def state(self) -> dict[str, Any]:
@@ -271,12 +273,27 @@ class Detector:
                     "make it as the one that saved it",
                 )
                 raise InputError(f"state.{key}", rule, state.get(key), remedy)
-        kinds = {"means": float, "told": bool, "rest": float}
-        values = {key: np.array(state[key], kind) for key, kind in kinds.items()}
-        self._memory = Memory(**values, count=int(state["count"]))
+        values = dict[str, Any]()
+        for key, kind in (("means", float), ("told", bool), ("rest", float), ("count", int)):
+            shape = np.shape(getattr(self._memory, key))
+            try:
+                values[key] = np.array(state[key], kind)
+            except (KeyError, TypeError, ValueError):
+                values[key] = np.zeros(0)
+            if values[key].shape != shape:
+                rule = f"must have the shape {shape}"
+                raise InputError(f"state.{key}", rule, remedy="save it by Detector.state")
+        self._memory = Memory(**{**values, "count": int(values["count"])})
 
     def _made(self) -> dict[str, Any]:
         return {**asdict(self.tuning), "ridges": list(self.ridges), "rate": self.rate}
+
+    def _heard(self, block: ArrayLike) -> Array:
+        values = self._checked(block) - self._memory.rest
+        if values.size and np.abs(values).max() > LOUDEST * self.tuning.noise:
+            rule = f"must be within {LOUDEST:g} times the noise of its resting voltage"
+            raise InputError("block", rule, float(np.abs(values).max()), "give it in V")
+        return values
 
     def _checked(self, block: ArrayLike) -> Array:
         values = np.asarray(block, float)

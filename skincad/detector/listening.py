@@ -49,6 +49,7 @@ TIMEOUT = 2.0  # s, after which a silent port is one that stalls
 HEADER = 3.0  # s of a port's bytes, within which a header comes
 BOOT = 10.0  # s, that a board may take to begin: opening its port restarts many; assumption
 LATE = 0.1  # s, that a sample may wait in this machine's buffers; assumption
+BACKLOG = 0.2  # s of samples that a busy machine may catch up; assumption
 RATE_AFTER = 1.0  # s of a port's stream, from which on its rate is measured
 PART = ".part"
 
@@ -174,7 +175,7 @@ def port_blocks(wire: Wire, chunks: Chunks) -> Iterator[Block]:
             first = first or (now, number)
             seconds = now - first[0]
             if seconds > RATE_AFTER and number > first[1]:
-                check_rate(wire.name, (number - first[1]) / seconds, wire.rate, LATE / seconds)
+                check_rate(wire.name, (number - first[1]) / seconds, wire.rate, BACKLOG / seconds)
         yield from blocks
 
 
@@ -390,8 +391,11 @@ def listen(
     began, why = process_time(), "interrupted"
     try:
         for block in blocks:
-            if recording is not None:
+            if recording is not None and not recording.failure:
                 recording.write(wire, block)
+                if recording.failure:
+                    why = recording.failure
+                    tell({"kind": "recording ends", "samples": recording.samples, "why": why})
             alarms, wire.alarms = wire.alarms, []
             events = listener.hear(block)
             events += [
@@ -403,6 +407,8 @@ def listen(
             watch(block, events)
         for event in listener.finish():
             tell(event)
+        for alarm in wire.alarms:
+            tell({"kind": "board alarm", "alarm": alarm.kind, "ridge": alarm.ridge, "sample": alarm.sample})
         why = "end"
     except InputError as failure:
         why = str(failure)
@@ -417,6 +423,7 @@ def listen(
         }  # fmt: skip
         if kept is not None:
             end["recording"] = str(kept)
+            end["recorded"] = recording.samples if recording is not None else 0
         if listener.samples or kept is not None:
             tell(end)
     if recording is not None and recording.failure:

@@ -129,6 +129,9 @@ def tap_test(recording: FilmRecording, name: str = "taps") -> TapTest:
 
     Raises InputError for a recording that is too slow, or without a channel.
     """
+    seconds = float(recording.time[-1] - recording.time[0]) if recording.time.size else 0.0
+    if seconds < APART:
+        raise InputError("recording", f"must be {APART:g} s long or more", seconds, "record all taps")
     rate = recording.rate
     if rate < SLOWEST:
         rule = f"must have at least {SLOWEST:g} samples a second"
@@ -183,6 +186,8 @@ def hear_taps(detector: Detector, blocks: Iterable[Block], tell: Callable[[str],
     except KeyboardInterrupt:
         if not parts:
             raise
+    if not parts:
+        raise InputError("recording", "has no samples", remedy="see to the board's power and program")
     values = np.concatenate([part.values for part in parts])
     lost = sum(part.gap + sum(count for count, _ in part.lost) for part in parts)
     notes = (f"{lost} samples were lost on the way",) if lost else ()

@@ -156,7 +156,7 @@ class Wire:
                 if self.header is None:
                     begin = place + 1
                     self.header = self._checked_header(line)
-                elif line.split(b",") != self.header:
+                elif [cell.strip() for cell in line.split(b",")] != self.header:
                     rule = f"must keep its columns, which are {b','.join(self.header).decode()}"
                     remedy = "restart the board, and listen again"
                     raise InputError(self.name, rule, line.decode(errors="replace"), remedy)

@@ -4,7 +4,7 @@
 // At the start nothing may touch the skin for a second: its mean is each channel's resting voltage.
 #include "skincad_detector.h"
 
-static const uint8_t PINS[] = {A0, A1, A2, A3, A4, A5, A6, A7, A8, A9, A10, A11, A12, A13, A14, A15, A16, A17};
+static const uint8_t PINS[] = {A0, A1, A2, A3, A4, A5, A6, A7, A8, A9, A10, A12, A11, A13, A16, A14, A17, A15}; // as an amplifier board's channels.csv
 static const char HEADER[] = "sample{% for ridge in code.ridges %},ridge_{{ ridge }}_S1_V,ridge_{{ ridge }}_S2_V{% endfor %}\n";
 static const bool INVERTED = {{ "true" if code.inverted else "false" }}; // the amplifier's pin moves against output_V, which the detector hears
 static const bool PRINT_SAMPLES = true; // false: alarms and remarks alone

@@ -109,6 +109,7 @@ def test_what_is_not_given_is_the_circuits_and_the_skins() -> None:
         ({"noise": -1.0}, "noise: must be above 0 V"),
         ({"alarms": "surely"}, "must be one of sure, early"),
         ({"every": 0}, "every: must be at least 1"),
+        ({"every": 2.5}, "every: must be at least 1 sample, a whole number"),
         ({"design": "plain-ridges"}, "design: needs a skin with a"),
         ({"circuit": "voltage-follower", "rate": None}, "rate: is missing"),
     ],
@@ -119,6 +120,20 @@ def test_what_cannot_be_made_is_refused(more: dict[str, object], words: str) -> 
         skincad.Detector(**given)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("key", ["means", "told", "rest", "count"])
+@pytest.mark.parametrize("wrong", [None, [0.0, 0.0]])
+def test_a_damaged_state_is_refused(key: str, wrong: object) -> None:
+    state = made().state
+    for damaged in ({**state, key: wrong}, {k: v for k, v in state.items() if k != key}):
+        with pytest.raises(skincad.InputError, match=rf"state\.{key}: must have the shape"):
+            made().restore(damaged)
+
+
+def test_ridges_may_be_any_whole_numbers() -> None:
+    ridges = np.array(RIDGES)
+    json.dumps(skincad.Detector("yamada-2002", "transimpedance", RATE, ridges).state)  # type: ignore[arg-type]
+
+
 def test_a_block_that_cannot_be_fed_feeds_nothing() -> None:
     detector = made()
     before, outputs = detector.state, slipping(detector)
@@ -127,4 +142,6 @@ def test_a_block_that_cannot_be_fed_feeds_nothing() -> None:
     outputs[17, 3] = math.nan
     with pytest.raises(skincad.InputError, match="row 17 of ridge 3 S2"):
         detector.feed(outputs)
+    with pytest.raises(skincad.InputError, match="within 1e\\+09 times the noise"):
+        detector.feed(np.full((1, 6), 1e200))
     assert detector.state == before

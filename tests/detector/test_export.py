@@ -18,6 +18,7 @@ from scipy.signal import lfilter
 import skincad
 from bench.detector_cost import COMPILER, EMULATOR, counted, emulated
 from skincad.base import files_below
+from skincad.circuit import INPUTS
 from skincad.detector import AHEAD, RIDGES, SKIN, Alarm, Detector, Tuning, features, weights
 from skincad.outputs import CLOCK, fitting_every, instructions
 from tests.conftest import run_skincad
@@ -120,6 +121,22 @@ def test_the_command_says_what_it_wrote(tmp_path: Path) -> None:
     right = skincad.Detector("yamada-2002", "single-supply", RATE, (3, 4, 5, 6), alarms="early").tuning
     assert float(defines["NOISE_V"][:-1]) == np.float32(right.noise)
     assert (defines["THRESHOLD"], defines["WARNING"], defines["EVERY"]) == ("2.5f", "1.25f", "3")
+
+
+@pytest.mark.parametrize("more", [(), ("--every", "4")])
+def test_the_sketch_turns_the_counts_of_an_inverting_amplifier(more: tuple[str, ...], tmp_path: Path) -> None:
+    done = run_skincad(*COMMAND, "--ridges", "4,5", *more, "--detector", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    sketch = (tmp_path / "out" / "skincad_detector" / "skincad_detector.ino").read_text()
+    assert "INVERTED = true;" in sketch
+
+
+def test_the_sketch_reads_the_pins_of_a_board(tmp_path: Path) -> None:
+    sketch = (code(tmp_path, detector()) / "skincad_detector.ino").read_text()
+    listed = re.search(r"PINS\[\] = \{(.*?)\}", sketch)
+    assert listed is not None
+    pins = listed[1].split(", ")
+    assert pins[: len(INPUTS)] == [name for name, *_ in INPUTS]
 
 
 def test_a_scene_has_its_own_circuit_ridges_and_alarms(tmp_path: Path) -> None:

@@ -29,6 +29,11 @@ struct IntervalTimer {
 
 static SerialPort Serial;
 static std::vector<uint16_t> pins;
-static int analogRead(int pin) { return pins[pin <= A9 ? pin - A0 : pin <= A13 ? pin - A10 + 10 : pin - A14 + 14]; }
+static const int BOARD[] = {A0, A1, A2, A3, A4, A5, A6, A7, A8, A9, A10, A12, A11, A13, A16, A14, A17, A15};
+static int analogRead(int pin) {
+    for (size_t c = 0;; c++)
+        if (BOARD[c] == pin)
+            return pins.at(c);
+}
 static void analogReadResolution(int) {}
 static void analogReadAveraging(int) {}

@@ -50,13 +50,15 @@ class ListenNode(Node):
             reader.start()
 
     def _publish(self, lines: Iterable[str]) -> None:
-        for line in lines:
-            event = json.loads(line)
-            self.events.publish(String(data=line.rstrip("\n")))
-            if event["kind"] in SLIP:
-                ridge = WHOLE_SKIN if event["ridge"] is None else event["ridge"]
-                self.slip.publish(Int32(data=ridge))
-        self.ended.set()
+        try:
+            for line in lines:
+                event = json.loads(line)
+                self.events.publish(String(data=line.rstrip("\n")))
+                if event["kind"] in SLIP:
+                    ridge = WHOLE_SKIN if event["ridge"] is None else event["ridge"]
+                    self.slip.publish(Int32(data=ridge))
+        finally:
+            self.ended.set()
 
     def _log(self, lines: Iterable[str]) -> None:
         for line in lines:
