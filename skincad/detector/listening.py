@@ -145,10 +145,13 @@ def wire_of(detector: Detector, name: str, *, noisy: bool = False) -> Wire:
     return Wire(name, detector.channels, detector.rate, longest_gap=longest, noisy=noisy)
 
 
-def blocks_of(wire: Wire, chunks: Chunks) -> Iterator[Block]:
-    """Yield the blocks of a stream up to its end."""
+def blocks_of(wire: Wire, chunks: Chunks, *, live: bool = True) -> Iterator[Block]:
+    """Yield the blocks of a stream up to its end, of a live one up to the line that is refused."""
     for data in chunks:
-        yield from wire.push(data)
+        blocks, fault = wire.up_to_fault(data) if live else (wire.push(data), None)
+        yield from blocks
+        if fault is not None:
+            raise fault
     yield from wire.finish()
 
 
@@ -162,7 +165,8 @@ def port_blocks(wire: Wire, chunks: Chunks) -> Iterator[Block]:
     began = ready = last = math.inf
     first: tuple[float, float] | None = None
     for data in chunks:
-        now, blocks = monotonic(), wire.push(data)
+        now = monotonic()
+        blocks, fault = wire.up_to_fault(data)
         began = min(began, now)
         if wire.header is None and now - began > HEADER:
             remedy = f"let the board send it once a second; {wire.wanted()}"
@@ -177,6 +181,8 @@ def port_blocks(wire: Wire, chunks: Chunks) -> Iterator[Block]:
             if seconds > RATE_AFTER and number > first[1]:
                 check_rate(wire.name, (number - first[1]) / seconds, wire.rate, BACKLOG / seconds)
         yield from blocks
+        if fault is not None:
+            raise fault
 
 
 def recording_blocks(detector: Detector, path: Path) -> tuple[Wire, Iterator[Block]]:
@@ -196,7 +202,7 @@ def recording_blocks(detector: Detector, path: Path) -> tuple[Wire, Iterator[Blo
 
     def streamed() -> Iterator[Block]:
         with os.fdopen(descriptor, "rb", buffering=0) as file:
-            yield from blocks_of(wire, file_chunks(file.fileno(), name))
+            yield from blocks_of(wire, file_chunks(file.fileno(), name), live=False)
 
     if not path.is_file() or _is_plain(head, wire):
         return wire, streamed()

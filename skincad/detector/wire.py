@@ -118,6 +118,22 @@ class Wire:
         self._left = left
         return self._blocks(lines)
 
+    def up_to_fault(self, data: bytes) -> tuple[list[Block], InputError | None]:
+        """Return the blocks of the next bytes as `push`, and the error of what is refused; with one, the blocks
+        are those of the lines before it, so that they can be heard and recorded."""
+        before = {key: [*value] if isinstance(value, list) else value for key, value in vars(self).items()}
+        try:
+            return self.push(data), None
+        except InputError as failure:
+            vars(self).update(before)
+            blocks = list[Block]()
+            try:
+                for line in data.splitlines(keepends=True):
+                    blocks += self.push(line)
+            except InputError as fault:
+                return blocks, fault
+            return [], failure
+
     def finish(self) -> list[Block]:
         """Return the blocks of a last line without its end, if it is whole, and check a short one's rate."""
         left, self._left = self._left.strip(), b""

@@ -42,6 +42,18 @@ def joined(blocks: list[Block]) -> tuple[np.ndarray, ...]:
     return tuple(np.concatenate(part) for part in zip(*parts, strict=True))
 
 
+def test_what_comes_before_a_refused_line_is_given() -> None:
+    reader, data = wire(), text(range(300)) + b"300,1,2,nan,1\n" + b"301,1,2,3,1\n"
+    blocks, fault = reader.up_to_fault(data)
+    assert fault is not None
+    assert str(fault).startswith("board, sample 300, ridge_7_S1_V: must be finite")
+    np.testing.assert_array_equal(joined(blocks)[0], DRAWN[:300])
+    reader = wire()
+    blocks, fault = reader.up_to_fault(text(range(300)))
+    assert fault is None
+    np.testing.assert_array_equal(joined(blocks)[0], DRAWN[:300])
+
+
 LOST = [*range(100, 200), *range(203, 260), *range(900, 1000), *range(100)]  # a gap, a long one, a restart
 
 
