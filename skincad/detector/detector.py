@@ -240,7 +240,7 @@ class Detector:
         Raises InputError for another number of channels or a value that is not finite: nothing was fed then.
         """
         values = self._heard(block)
-        odds, asked, means = self._odds(values)
+        odds, asked, means = self._odds(values, skip_quiet=True)
         levels = np.append(np.full(odds.shape[1] - 1, self.tuning.threshold), self.tuning.warning)
         told = taken(self._memory.told, odds, levels, BACK)
         before: Mask = np.concatenate([self._memory.told[None], told])
@@ -310,26 +310,32 @@ class Detector:
             )
         return values
 
-    def _odds(self, values: Array) -> tuple[Array, Index, Array]:
+    def _odds(self, values: Array, *, skip_quiet: bool = False) -> tuple[Array, Index, Array]:
         """Long blocks go piece by piece: what a piece needs stays in the processor's cache."""
         size, means, count = max(1, PIECE // len(self.ridges)), self._memory.means, self._memory.count
         odds, asked = [], []
         for start in range(0, max(1, values.shape[0]), size):
             first = -(count + start + 1) % self.tuning.every
             outputs = values[start : start + size].reshape(-1, len(self.ridges), 2)
-            piece, means = self._piece(outputs, means, slice(first, None, self.tuning.every))
+            every = slice(first, None, self.tuning.every)
+            piece, means = self._piece(outputs, means, every, skip_quiet)
             odds.append(piece)
             asked.append(start + first + self.tuning.every * np.arange(piece.shape[0]))
         return np.concatenate(odds), np.concatenate(asked), means
 
-    def _piece(self, outputs: Array, means: Array, asked: slice) -> tuple[Array, Array]:
-        """One sample is multiplied at a time, so that it is the same however the samples are cut."""
+    def _piece(self, outputs: Array, means: Array, asked: slice, skip_quiet: bool) -> tuple[Array, Array]:
+        """One sample is multiplied at a time, so that it is the same however the samples are cut.
+
+        Where no ridge is loud there is no alarm, whatever the networks say: they may be skipped.
+        """
         t = self.tuning
         felt, loud, after = hearing.features(t.window, t.noise, outputs, means, asked)
-        each, whole = (_odds(weights(file), felt) for file in (RIDGES, SKIN))
-        odds = np.concatenate([each, _mean(whole)[:, None]], axis=1)
         seen = np.concatenate([loud > SEEN, np.any(loud > SEEN, axis=1, keepdims=True)], axis=1)
-        return np.where(seen, odds, np.minimum(odds, min(t.threshold, t.warning) - BACK - 1.0)), after
+        rows, quiet = seen[:, -1] if skip_quiet else slice(None), min(t.threshold, t.warning) - BACK - 1.0
+        odds = np.full(seen.shape, quiet)
+        each, whole = (_odds(weights(file), felt[rows]) for file in (RIDGES, SKIN))
+        odds[rows] = np.concatenate([each, _mean(whole)[:, None]], axis=1)
+        return np.where(seen, odds, np.minimum(odds, quiet)), after
 
 
 def taken(before: Mask, odds: Array, threshold: Array | float, back: float) -> Mask:

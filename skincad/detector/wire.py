@@ -119,8 +119,9 @@ class Wire:
         return self._blocks(lines)
 
     def up_to_fault(self, data: bytes) -> tuple[list[Block], InputError | None]:
-        """Return the blocks of the next bytes as `push`, and the error of what is refused: then the blocks are
-        those of the lines before it, so that they can be heard and recorded."""
+        """Return the blocks of the next bytes as `push`, and the error of what is refused: then the blocks
+        are those of the lines before it, so that they can be heard and recorded.
+        """
         before = {key: [*value] if isinstance(value, list) else value for key, value in vars(self).items()}
         try:
             return self.push(data), None

@@ -11,7 +11,7 @@ from scipy.integrate import quad
 
 import skincad
 from skincad.circuit import circuit_network, corner, fitted, load_circuit, total_density
-from skincad.detector import AHEAD, INCIPIENT, Alarm, Detector
+from skincad.detector import AHEAD, BACK, INCIPIENT, Alarm, Detector, taken
 
 RATE = 5000.0
 RIDGES = (2, 3, 7)
@@ -56,6 +56,18 @@ def test_blocks_of_any_size_give_the_same(every: int, block: int) -> None:
 def test_asked_less_often_it_says_the_same_where_it_is_asked() -> None:
     often, seldom, outputs = made(), made(every=5), slipping(made())
     np.testing.assert_array_equal(often.odds(outputs)[4::5], seldom.odds(outputs))
+
+
+def test_what_is_quiet_need_not_be_asked() -> None:
+    """The networks are skipped where no ridge is loud: alarms are those of the odds at each sample."""
+    detector, outputs = made(), slipping(made())
+    outputs[2000:4000] = np.random.default_rng(5).normal(0, detector.tuning.noise / math.sqrt(2), (2000, 6))
+    levels = np.array([*[detector.tuning.threshold] * len(RIDGES), detector.tuning.warning])
+    now = taken(np.zeros(len(RIDGES) + 1, bool), detector.odds(outputs), levels, BACK)
+    rises = np.argwhere(now & ~np.concatenate([np.zeros_like(now[:1]), now[:-1]]))
+    alarms = detector.feed(outputs)
+    assert [(a.index, a.ridge) for a in alarms] == [(row, [*RIDGES, None][place]) for row, place in rises]
+    assert len(alarms) >= 5
 
 
 def test_its_state_goes_on_in_another_process() -> None:
