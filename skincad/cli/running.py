@@ -161,8 +161,9 @@ def listen(
     if more or (port is None) == (recorded is None):
         rule = "must be a design or scene, and one of --port PORT, --csv FILE and -"
         raise InputError("arguments", rule, " ".join(sources), "see `skincad listen --help`")
-    if taps and page:
-        raise InputError("page", "is not of --taps", remedy="leave it out")
+    beside = {"page": page, "rest": rest != listening.REST_SECONDS}
+    if taps and any(beside.values()):
+        raise InputError(max(beside, key=beside.__getitem__), "is not of --taps", remedy="leave it out")
     detector, design, _ = detector_of(source, settings, wiring, options.Workshop(silicones=silicones))
     listener = listening.Listener(detector, rest)
     recording = None
@@ -171,14 +172,13 @@ def listen(
             raise InputError("record", "is of a port or of standard input", str(record), "leave it out")
         recording = listening.RecordingFile(record, f"{source}, {port or 'standard input'}", detector.rate)
     if taps:
-        from skincad.detector.taps import tap_test
         from skincad.inputs.recordings import film_recording
 
         if port is None and recorded != "-":
             films = film_recording(recorded or "", detector.ridges)
         else:
             films = _tapped(detector, *_stream(detector, port, recorded, baud, timeout), recording)
-        result = tap_test(films, design.name)
+        result = skincad.tap_test(films, design.name)
         show(result.as_json(), display.as_json, report(result, verbose=display.verbose))
         leave(result)
     wire, blocks = _stream(detector, port, recorded, baud, timeout)

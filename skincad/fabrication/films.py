@@ -18,6 +18,7 @@ from skincad.fabrication.papers import macro
 from skincad.inputs.design import Design
 from skincad.inputs.film_product import FilmProduct, film_products
 from skincad.inputs.skin_tables import Film
+from skincad.shape.skin import skin_of
 
 FILM_ROOM = 0.02  # mm, assumption: beside a film that is drawn in, a coat of silicone of 0.01 on each face
 GAUGE_TOLERANCE = 0.05  # relative, assumption: by which a film differs from its nominal thickness
@@ -133,9 +134,9 @@ def film_offers(design: Design) -> FilmOffers:
 
     Raises InputError for a design without slots.
     """
-    if design.slot is None:
+    slot, film = skin_of(design).slot, design.film
+    if slot is None:
         raise InputError("film", "needs slots for film, and the design has none", remedy="give it a [slot]")
-    slot, film = design.slot, design.film
     room = 0.0 if design.mold.method == "cast-in" else FILM_ROOM
     takes = max(0.0, round(slot.thickness - room, 9))  # mm, without a float's last digits
     margins = film or Film(thickness=min(slot.thickness, 5.0))

@@ -461,7 +461,8 @@ class Solutions:
 
 def has_films(design: Design) -> bool:
     """Return whether a design has films to choose from: those of more than two ridges."""
-    return design.slot is not None and design.film is not None and skin_of(design).count > FOUR_CHANNELS
+    skin = skin_of(design)
+    return skin.slot is not None and design.film is not None and skin.count > FOUR_CHANNELS
 
 
 def linear_seconds(answers: Mapping[str, Answer]) -> float:
