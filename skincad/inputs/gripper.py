@@ -1,4 +1,4 @@
-"""What a carrier is screwed to: a table of grippers, the shipped ones' and a lab's own.
+"""What a carrier is screwed to and what grips with it: a table of grippers, shipped ones and a lab's own.
 
 The shipped tables are in templates/grippers.toml. A lab's own file has tables of the same keys: one named
 as a shipped gripper changes what it names of it, any other name is a new one.
@@ -19,17 +19,25 @@ from skincad.inputs.shipped import check_names, table_text
 
 
 class Gripper(HolePattern, SparseTable):
-    """A finger's face, mm, and its holes."""
+    """A finger's face, mm, its holes, and how it grips."""
 
     width: float = quantity("mm", "of the finger's face, across the ridges", gt=0.0, le=1000.0, default=30.0)
     length: float = quantity("mm", "of the finger's face, along the ridges", gt=0.0, le=1000.0, default=30.0)
     stroke: float | None = quantity(
         "mm", "of the opening between two fingers, without pads", gt=0.0, le=1000.0, default=None
     )
+    force_min: float | None = quantity("N", "least force of a finger", gt=0.0, le=1e6, default=None)
+    force_max: float | None = quantity("N", "largest force of a finger", gt=0.0, le=1e6, default=None)
+    force_rate: float | None = quantity(
+        "N/s", "how fast a finger's force changes", gt=0.0, le=1e6, default=None
+    )
+    delay: float | None = quantity(
+        "s", "from what is felt to a change of the finger's force", ge=1e-3, le=10.0, default=None
+    )
     measured: bool = Field(
         default=True, description="whether the holes are somebody's measurement; false: an assumption"
     )
-    source: str = Field(default="", description="where the sizes are from", max_length=400)
+    source: str = Field(default="", description="where the numbers are from", max_length=400)
 
     def mount(self) -> Mount:
         """Return the carrier's holes for it. Raises InputError for a pattern that is none."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import tomllib
 from pathlib import Path
 
 import pytest
+import tomlkit
 
 import skincad
 from skincad.base import InputError
@@ -212,6 +214,21 @@ def test_shipped_grippers_are_those_that_are_named_and_a_guess_says_so() -> None
         assert gripper.measured or "assumption" in gripper.source
     found = [f for f in mount_findings(Job(on("franka-hand", width=20.0))) if f.rule == "gripper face"]
     assert [(f.severity, f.measured, f.limit) for f in found] == [("note", 20.0, 17.0)]
+
+
+def test_a_gripper_grips_as_somebody_says_or_as_is_assumed() -> None:
+    grips = {name: gripper for name, gripper in grippers().items() if gripper.force_max is not None}
+    assert set(grips) == {"franka-hand", "robotiq-2f85", "umi", "leap-hand"}
+    rows = tomlkit.parse(table_text("grippers"))
+    for name, gripper in grips.items():
+        assert 0 < (gripper.force_min or 1.0) < gripper.force_max
+        assert gripper.force_rate is not None
+        assert gripper.delay is not None
+        assert 0.035 <= gripper.delay <= 0.11  # sensing to force, arXiv 2602.16127, and UMI's latencies
+        for key in ("force_min", "force_max", "force_rate", "delay"):
+            if getattr(gripper, key) is not None:
+                said = rows[name].item(key).trivia.comment
+                assert re.match("# (source|from|assumption)\\b", said), (name, key)
 
 
 def test_ones_own_grippers_change_the_shipped_ones_and_add_to_them(tmp_path: Path) -> None:
