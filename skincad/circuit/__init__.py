@@ -12,7 +12,7 @@ __getattr__, __dir__ = face(
     model: Circuit circuit_network constants fitted load_circuit output_offset output_swing
     network: Complex Constants Network PICO Real capacitance charge electrode netlist
     rails: at_rails
-    response: decibels noise_samples total_density
+    response: decibels noise_samples tells_stress total_density
     state: FilteredSignal PASS Recording Stepper band_limited corner delay evenly_spaced longest_step
         recorded rms_behind run state_space stepper
     """,

@@ -14,6 +14,7 @@ network alone; their powers add. The network itself is without the film's loss.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from functools import cache
 
@@ -31,6 +32,7 @@ from skincad.circuit.network import GROUND, KINDS, LOAD, OUT, SOURCE, Complex, N
 Products = dict[int, int]  # elements, as bits of a number, to how often their product counts
 Drive = tuple[tuple[str, int, int], ...]  # to which nodes' equations what product is added, how often
 BY_LOAD: Drive = ((LOAD, 0, 1),)
+SLOPE = 10.0, 20.0  # Hz: an output that hardly rises between them is the stress, not its rate
 
 
 def checked_frequencies(frequency: Real) -> Real:
@@ -53,6 +55,12 @@ def response(network: Network, frequency: Real) -> Complex:
     Raises InputError for a frequency that is not above 0.
     """
     return transfers(network, [BY_LOAD], frequency)[0]
+
+
+def tells_stress(network: Network) -> bool:
+    """Return whether the output is the stress itself, as a charge amplifier's, and not its rate."""
+    slow, fast = np.abs(response(network, np.array(SLOPE)))
+    return bool(fast / slow < math.sqrt(SLOPE[1] / SLOPE[0]))
 
 
 def transfers(network: Network, drives: Sequence[Drive], frequency: Real) -> list[Complex]:

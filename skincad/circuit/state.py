@@ -102,8 +102,20 @@ def state_space(network: Network) -> StateSpace:
     return StateSpace(a, np.eye(order)[-1], c, float(still))
 
 
-def stepper(network: Network, rate: float) -> Stepper:
-    """Return the exact step of the network at `rate` Hz, for a charge that runs straight between samples.
+def behind_low_pass(system: StateSpace, bandwidth: float) -> StateSpace:
+    """Return the system whose charge has gone through the low-pass of `bandwidth` Hz.
+
+    With x the charge behind one pole and y behind both, its states are q - x and x - y, at rest 0 too.
+    """
+    w, n = corner(bandwidth), system.b.size
+    a = np.zeros((n + 2, n + 2))
+    a[:2, :2], a[2:, 1], a[2:, 2:] = [[-w, 0.0], [w, -w]], w * system.b, system.a
+    return StateSpace(a, np.eye(n + 2)[0], np.concatenate([[-system.d] * 2, system.c]), system.d)
+
+
+def stepper(network: Network, rate: float, bandwidth: float | None = None) -> Stepper:
+    """Return the exact step of the network at `rate` Hz, for a charge that runs straight between samples,
+    behind the low-pass of `bandwidth` Hz if given.
 
     Raises InputError for a rate that is not above 0, RefusedError where the step cannot be had in double
     precision.
@@ -111,6 +123,8 @@ def stepper(network: Network, rate: float) -> Stepper:
     if not (np.isfinite(rate) and rate > 0):
         raise InputError("rate", "must be above 0 Hz and finite", rate)
     system = state_space(network)
+    if bandwidth is not None:
+        system = behind_low_pass(system, bandwidth)
     order = system.b.size
     whole = np.zeros((order + 1, order + 1))
     with np.errstate(over="ignore", invalid="ignore"):  # the exponential refuses what is not finite
@@ -173,11 +187,15 @@ def delay(bandwidth: float) -> float:
     return 2 / corner(bandwidth)
 
 
-def rms_behind(network: Network, bandwidth: float, low: float, high: float) -> float:
+def rms_behind(
+    network: Network, bandwidth: float, low: float, high: float, step: float | None = None
+) -> float:
     """Return the noise at the output behind the low-pass of `bandwidth` Hz, V rms, between two
-    frequencies in Hz."""
+    frequencies in Hz; of differences of samples `step` s apart where that is given."""
     frequency = np.geomspace(low, high, 4000)
     passed = (1 + (2 * np.pi * frequency / corner(bandwidth)) ** 2) ** -2
+    if step is not None:
+        passed *= (2 * np.sin(math.pi * frequency * step)) ** 2
     return math.sqrt(float(np.trapezoid(total_density(network, frequency) * passed, frequency)))
 
 
