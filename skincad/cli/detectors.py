@@ -48,7 +48,10 @@ class Wiring:
     ] = None
     alarms: Annotated[
         str | None,
-        option("--alarms POINT", "sure: few false alarms, or early; default: the scene's, or sure."),
+        option(
+            "--alarms POINT",
+            "sure: few false alarms; early; grip: for a gripper; default: the scene's, or sure.",
+        ),
     ] = None
     noise: Annotated[
         float | None,
@@ -131,7 +134,7 @@ def export(
 
     detector, design, circuit = detector_of(source, settings, wiring, workshop)
     if wiring.every is None:
-        every = detector_code.fitting_every(len(detector.ridges), detector.rate)
+        every = detector_code.fitting_every(len(detector.ridges), detector.rate, detector.tuning.network)
         if every is None:
             rule = f"is too fast for {len(detector.ridges)} ridges on a Cortex-M7 of 600 MHz"
             remedy = "give a lower --rate or fewer --ridges; or --every for another processor"

@@ -6,8 +6,8 @@ from skincad.base.faces import face
 __getattr__, __dir__ = face(
     __name__,
     """
-    detector: AHEAD Alarm BACK Detector EARLY INCIPIENT POINTS RIDGES SEEN SKIN SURE Tuning Weights taken
-        tuned weights
+    detector: AHEAD Alarm BACK Detector EARLY GRIP GRIPPER INCIPIENT POINTS RIDGES SEEN SKIN SURE Tuning
+        Weights change_noise taken tuned weights
     listening: Listener listen port_blocks port_chunks wire_of
     taps: TapTest tap_test
     wire: Block Wire

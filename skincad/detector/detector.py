@@ -1,14 +1,17 @@
 """Slip felt from the films' outputs alone: which ridge slips, and whether gross slip is ahead. No look-ahead.
 
-Two small networks (one hidden layer each, their weights as data) hear what each monitored ridge and those
-beside it felt over short and long times (features.py). One tells of each ridge how likely it slips. The
-other tells how likely gross slip is ahead, by the mean of what it says of each ridge. They were fitted to the
-design set of bench/exam: scenes of other skins, frictions and histories than those of the exam that scores
-them (docs/understand/detector.md). An alarm asks for more than a threshold, which is the user's choice
-(POINTS), and for outputs that stand out of the noise.
+Small networks (one hidden layer each, their weights as data) hear what each monitored ridge and those beside
+it felt over short and long times (features.py). One tells of each ridge how likely it slips. Another tells
+how likely gross slip is ahead, by the mean of what it says of each ridge. They were fitted to the design set
+of bench/exam: scenes of random skins, frictions and histories. A third, a quarter as large, warns a gripper
+that its grip is too weak: that the load is about to exceed what friction bears, or that all slides. It was
+fitted to lifts, with raises of the grip in them (bench/lifts), and names no ridge. An alarm asks for more
+than a threshold, which is the user's choice (POINTS), and for outputs that stand out of the noise.
 
-Range: outputs that follow the stress-rate in their band; more monitored ridges are better. Neither network
-knows friction or the plate's forces: a pull that eases just before gross slip feels like one that goes on.
+Range: outputs that follow the stress-rate in their band; more monitored ridges are better. Where an amplifier
+tells the stress itself, the third network hears what the outputs change by from sample to sample. None of the
+networks knows friction or the plate's forces: a pull that eases just before gross slip feels like one that
+goes on.
 """
 
 from __future__ import annotations
@@ -27,7 +30,9 @@ from numpy.typing import ArrayLike
 from skincad.base.arrays import Array, Index, Mask
 from skincad.base.errors import InputError, did_you_mean
 from skincad.circuit.model import Circuit, circuit_network, fitted, load_circuit
+from skincad.circuit.network import Network
 from skincad.circuit.rails import sign
+from skincad.circuit.response import tells_stress
 from skincad.circuit.state import PASS, delay, rms_behind
 from skincad.detector import features as hearing
 from skincad.inputs.catalog import load_design
@@ -42,38 +47,48 @@ LOUDEST = 1e9  # noise rms, as the code in C has it: beyond, squares are no numb
 SLOWEST = 0.1  # Hz: noise below is taken out with the resting voltage; assumption
 
 INCIPIENT, AHEAD = "incipient slip", "gross slip ahead"
+RIDGES, SKIN, GRIPPER = "weights_ridges.toml", "weights_skin.toml", "weights_grip.toml"
 
 
 @dataclass(frozen=True)
 class OperatingPoint:
     """A choice of alarms: a ridge is told to slip above the logarithm of odds `threshold`, gross slip to be
-    ahead above `warning`, until BACK below.
+    ahead above `warning`, until BACK below; `network` is the file of the one that warns.
 
-    These by cross-validation on the design set of bench/exam. On its exam, behind a transimpedance amplifier
-    with all ridges monitored: the share of gross slips `warned` of, with its 95 % interval `between`, and
-    false warnings a minute of handling, all (`false`) and those while nothing slips (`idle`). While a load is
-    held there are none.
+    Of the lifts of bench/lifts, whose gripper grips harder at each alarm: the share `held` with a slide below
+    1 mm, with its 95 % interval `held_between`, and the mean `grip` over the least that holds. Of pulls that
+    may end in gross slip, behind a transimpedance amplifier with all ridges monitored: the share of gross
+    slips `warned` of, with `between`, and false warnings a minute of handling, all (`false`) and those while
+    nothing slips (`idle`); None of GRIP, which was never asked that.
     """
 
     threshold: float
     warning: float
-    warned: float
-    between: tuple[float, float]
-    false: float
-    idle: float
+    held: float
+    held_between: tuple[float, float]
+    grip: float
+    warned: float | None = None
+    between: tuple[float, float] | None = None
+    false: float | None = None
+    idle: float | None = None
+    network: str = SKIN
 
 
 BACK = 1.0
-SURE, EARLY = "sure", "early"
+SURE, EARLY, GRIP = "sure", "early", "grip"
 POINTS = {
     SURE: OperatingPoint(
-        threshold=4.0, warning=2.5, warned=0.57, between=(0.50, 0.64), false=77.0, idle=13.0
+        threshold=4.0, warning=2.5, held=0.37, held_between=(0.28, 0.47), grip=0.89,
+        warned=0.57, between=(0.50, 0.64), false=77.0, idle=13.0,
     ),
     EARLY: OperatingPoint(
-        threshold=2.5, warning=1.25, warned=0.70, between=(0.63, 0.77), false=196.0, idle=54.0
+        threshold=2.5, warning=1.25, held=0.54, held_between=(0.44, 0.63), grip=1.04,
+        warned=0.70, between=(0.63, 0.77), false=196.0, idle=54.0,
     ),
-}
-RIDGES, SKIN = "weights_ridges.toml", "weights_skin.toml"
+    GRIP: OperatingPoint(
+        threshold=-0.3, warning=-0.3, held=0.87, held_between=(0.82, 0.90), grip=1.32, network=GRIPPER
+    ),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,9 +101,15 @@ class Weights:
     base: float
 
 
+SILENT = -100.0  # odds' logarithm of what no network hears
+
+
 @cache
 def weights(file: str) -> Weights:
-    """Return a network's weights as fitted by bench/exam/fitting.py; the head of its file says to what."""
+    """Return a network's weights as fitted by bench/exam/fitting.py or bench/lifts/fitting.py; the head of
+    its file says to what. Of no file (""): those of a network without units, which is SILENT."""
+    if not file:
+        return Weights(np.zeros((hearing.COUNT, 0)), np.zeros(0), np.zeros(0), SILENT)
     table = tomllib.loads((Path(__file__).parent / file).read_text())
     into = np.ascontiguousarray(np.array(table["into"]).T)
     return Weights(into, np.array(table["bias"]), np.array(table["out"]), float(table["base"]))
@@ -97,17 +118,32 @@ def weights(file: str) -> Weights:
 @dataclass(frozen=True)
 class Tuning:
     """`window` samples, `noise` V rms of a pair; alarms at the logarithms of odds `threshold` and `warning`,
-    those of SURE if not given; the networks are asked at one of `every` samples."""
+    those of SURE if not given; the networks are asked at one of `every` samples; `network` is the file of the
+    one that warns. With `change`, V rms, the detector hears what outputs change by from sample to sample, and
+    that is the noise of a pair's changes; without, it hears the outputs."""
 
     window: int
     noise: float
     threshold: float = POINTS[SURE].threshold
     warning: float = POINTS[SURE].warning
     every: int = 1
+    network: str = SKIN
+    change: float | None = None
+
+    @property
+    def noise_floor(self) -> float:
+        """The noise of what the detector hears of a pair, V rms."""
+        return self.noise if self.change is None else self.change
+
+    @property
+    def networks(self) -> tuple[Weights, Weights]:
+        """The networks of a ridge that slips, and of the warning; GRIPPER's names no ridge."""
+        return weights(RIDGES if self.network == SKIN else ""), weights(self.network)
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.noise) and self.noise > 0):
-            raise InputError("noise", "must be above 0 V and finite", self.noise)
+        for key, volts in (("noise", self.noise), ("change", self.noise_floor)):
+            if not (math.isfinite(volts) and volts > 0):
+                raise InputError(key, "must be above 0 V and finite", volts)
         for key in ("threshold", "warning"):
             if not math.isfinite(getattr(self, key)):
                 raise InputError(key, "must be finite", getattr(self, key))
@@ -115,9 +151,17 @@ class Tuning:
             raise InputError("every", "must be at least 1 sample, a whole number", self.every)
 
 
-def tuned(rate: float, bandwidth: float, noise: float, alarms: str = SURE, every: int = 1) -> Tuning:
+def tuned(
+    rate: float,
+    bandwidth: float,
+    noise: float,
+    alarms: str = SURE,
+    every: int = 1,
+    *,
+    change: float | None = None,
+) -> Tuning:
     """Return the tuning for outputs at `rate` Hz behind the low-pass of `bandwidth` Hz, with the thresholds
-    of `alarms`, one of POINTS; `noise` V rms of a pair."""
+    of `alarms`, one of POINTS; `noise` V rms of a pair, `change` V rms as `change_noise` has it."""
     for key, value in (("rate", rate), ("bandwidth", bandwidth)):
         if not (math.isfinite(value) and value > 0):
             raise InputError(key, "must be above 0 Hz and finite", value)
@@ -126,7 +170,33 @@ def tuned(rate: float, bandwidth: float, noise: float, alarms: str = SURE, every
             "alarms", f"must be one of {', '.join(POINTS)}", alarms, did_you_mean(alarms, POINTS)
         )
     window, point = max(FEWEST, math.ceil(WINDOW * delay(bandwidth) * rate)), POINTS[alarms]
-    return Tuning(window, noise, point.threshold, point.warning, every)
+    return Tuning(window, noise, point.threshold, point.warning, every, point.network, change)
+
+
+def change_noise(
+    alarms: str, network: Network, bandwidth: float, rate: float, noise: float | None = None
+) -> float | None:
+    """Return the noise of what a pair changes by from sample to sample, V rms, for `alarms` that hear these
+    changes; None for those that hear the outputs.
+
+    GRIP's network was fitted to the stress-rate: where the circuit's `network` tells the stress itself, it
+    hears the changes. Their noise is that of film and amplifier behind the low-pass of `bandwidth` Hz, in
+    samples at `rate` Hz. What the `noise` of a pair of outputs, V rms, has more than theirs is taken to be
+    white, as a converter's rounding is: an assumption, by which slower noise counts for more than it is.
+    """
+    if alarms != GRIP or not tells_stress(network):
+        return None
+    change = pair_noise(network, bandwidth, rate, 1 / rate)
+    own = change if noise is None else pair_noise(network, bandwidth, rate)
+    if noise is None or noise <= own:
+        return change
+    return math.hypot(change, math.sqrt(2 * (noise - own) * (noise + own)))
+
+
+def pair_noise(network: Network, bandwidth: float, rate: float, step: float | None = None) -> float:
+    """Return the noise of a pair by film and amplifier, V rms: of its samples at `rate` Hz behind the
+    low-pass, or of differences of samples `step` s apart."""
+    return math.sqrt(2) * rms_behind(network, bandwidth, SLOWEST, rate / 2, step)
 
 
 @dataclass(frozen=True)
@@ -142,12 +212,14 @@ class Alarm:
 class Memory:
     """All that the detector keeps: the running means' state; which ridges are taken to slip, and last whether
     gross slip is ahead `(ridges + 1,)`; how many samples were fed; the channels' resting voltage
-    `(2 ridges,)` V."""
+    `(2 ridges,)` V; the last sample `(2 ridges,)` V of a detector that hears changes, None before the first.
+    """
 
     means: Array
     told: Mask
     count: int
     rest: Array
+    last: Array | None = None
 
 
 class Detector:
@@ -161,11 +233,14 @@ class Detector:
 
     `design` and `circuit` are objects, templates' names or TOML files. `rate` Hz is the circuit's
     `sampling.rate` if not given; `ridges` count from 1, all if not given. `bandwidth` Hz is the low-pass's
-    before the sampling, 0.4 of the rate if not given. `noise` V rms of a pair is computed of film and
-    amplifier if not given: give what your board has where that is more. `every` asks the networks at one of
-    so many samples only, which is as many times cheaper and at most so many samples later.
+    before the sampling, 0.4 of the rate if not given. `noise` V rms of a pair of outputs, S1 - S2 at rest, is
+    computed of film and amplifier if not given: give what your board has where that is more. `every` asks the
+    networks at one of so many samples only, which is as many times cheaper and at most so many samples later.
 
     It hears `output_V` as `simulate` has it. The pin of an amplifier that is `inverted` moves the other way.
+    The alarms "grip" were fitted to stress-rates. Of an amplifier that tells the stress itself, as a charge
+    amplifier does, the detector then hears what the outputs change by from sample to sample: feed the outputs
+    all the same. `noise` stays that of the outputs, and `change_noise` has the changes' of it.
 
     Raises InputError for a skin without films, ridges that it has not, and numbers out of range.
     """
@@ -201,9 +276,9 @@ class Detector:
         if bandwidth is None:
             bandwidth = PASS * rate / 2
         tuning = tuned(rate, bandwidth, 1.0 if noise is None else noise, alarms, every)
-        if noise is None:
-            pair = math.sqrt(2) * rms_behind(network, bandwidth, SLOWEST, rate / 2)
-            tuning = replace(tuning, noise=pair)
+        pair = pair_noise(network, bandwidth, rate) if noise is None else noise
+        change = change_noise(alarms, network, bandwidth, rate, noise)
+        tuning = replace(tuning, noise=pair, change=change)
         self._set(tuning, ridges, rate, inverted=sign(network) < 0)
 
     @classmethod
@@ -239,33 +314,45 @@ class Detector:
 
         Raises InputError for another number of channels or a value that is not finite: nothing was fed then.
         """
-        values = self._heard(block)
+        before = self._memory
+        asked, told = self.decisions(block)
+        rises: Mask = told & ~np.concatenate([before.told[None], told])[:-1]
+        alarms = []
+        for row, place in np.argwhere(rises):
+            ridge = None if place == len(self.ridges) else self.ridges[place]
+            kind = AHEAD if ridge is None else INCIPIENT
+            alarms.append(Alarm(kind, ridge, before.count + int(asked[row])))
+        return alarms
+
+    def decisions(self, block: ArrayLike) -> tuple[Index, Mask]:
+        """Feed the next samples, `block` `(n, channels)` V, and return at which of them the networks were
+        asked, `(m,)` from 0, and what is taken to be so from then on, `(m, ridges + 1)`: which ridges slip,
+        and last whether gross slip is ahead. Raises InputError as `feed`."""
+        values, last = self._heard(block)
         odds, asked, means = self._odds(values, skip_quiet=True)
         levels = np.append(np.full(odds.shape[1] - 1, self.tuning.threshold), self.tuning.warning)
         told = taken(self._memory.told, odds, levels, BACK)
-        before: Mask = np.concatenate([self._memory.told[None], told])
-        alarms = []
-        for row, place in np.argwhere(told & ~np.asarray(before[:-1])):
-            ridge = None if place == len(self.ridges) else self.ridges[place]
-            index = self._memory.count + int(asked[row])
-            alarms.append(Alarm(AHEAD if ridge is None else INCIPIENT, ridge, index))
+        now = told[-1] if told.shape[0] else self._memory.told
         count = self._memory.count + values.shape[0]
-        self._memory = replace(self._memory, means=means, told=before[-1], count=count)
-        return alarms
+        self._memory = replace(self._memory, means=means, told=now, count=count, last=last)
+        return asked, told
 
     def odds(self, block: ArrayLike) -> Array:
         """Return the logarithms of the odds that each ridge slips, and last that gross slip is ahead
         `(n asked, ridges + 1)`, of the next samples; they are not fed."""
-        return self._odds(self._heard(block))[0]
+        return self._odds(self._heard(block)[0])[0]
 
     @property
     def state(self) -> dict[str, Any]:
         """All that it keeps, as JSON can hold it: `restore` takes it, in another process too."""
-        values = {key: value.tolist() for key, value in vars(self._memory).items() if key != "count"}
+        arrays = {key: value for key, value in vars(self._memory).items() if key != "count"}
+        values = {key: None if value is None else value.tolist() for key, value in arrays.items()}
         return {**self._made(), **values, "count": self._memory.count}
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Go on from a `state`; raises InputError for one of a detector that was made otherwise."""
+        # saved before there were other networks, or any that hears changes
+        state = {"network": SKIN, "change": None, "last": None, **state}
         for key, value in self._made().items():
             if key not in state or state[key] != value:
                 rule, remedy = (
@@ -274,8 +361,11 @@ class Detector:
                 )
                 raise InputError(f"state.{key}", rule, state.get(key), remedy)
         values = dict[str, Any]()
-        for key, kind in (("means", float), ("told", bool), ("rest", float), ("count", int)):
-            shape = np.shape(getattr(self._memory, key))
+        kinds = {"means": float, "told": bool, "rest": float, "count": int, "last": float}
+        if state["last"] is None and (self.tuning.change is None or not state.get("count")):
+            del kinds["last"]  # it hears no changes, or has heard no sample
+        for key, kind in kinds.items():
+            shape = np.shape(self._memory.rest if key == "last" else getattr(self._memory, key))
             try:
                 values[key] = np.array(state[key], kind)
             except (KeyError, TypeError, ValueError):
@@ -288,12 +378,17 @@ class Detector:
     def _made(self) -> dict[str, Any]:
         return {**asdict(self.tuning), "ridges": list(self.ridges), "rate": self.rate}
 
-    def _heard(self, block: ArrayLike) -> Array:
-        values = self._checked(block) - self._memory.rest
-        if values.size and np.abs(values).max() > LOUDEST * self.tuning.noise:
+    def _heard(self, block: ArrayLike) -> tuple[Array, Array | None]:
+        """What the networks hear of a block, from its rest or from sample to sample, and its last sample."""
+        outputs = self._checked(block)
+        values = outputs - self._memory.rest
+        if values.size and np.abs(values).max() > LOUDEST * self.tuning.noise_floor:
             rule = f"must be within {LOUDEST:g} times the noise of its resting voltage"
             raise InputError("block", rule, float(np.abs(values).max()), "give it in V")
-        return values
+        if self.tuning.change is None or not values.shape[0]:
+            return values, self._memory.last
+        before = outputs[:1] if self._memory.last is None else self._memory.last[None]
+        return np.diff(outputs, axis=0, prepend=before), outputs[-1].copy()
 
     def _checked(self, block: ArrayLike) -> Array:
         values = np.asarray(block, float)
@@ -329,11 +424,11 @@ class Detector:
         Where no ridge is loud there is no alarm, whatever the networks say: they may be skipped.
         """
         t = self.tuning
-        felt, loud, after = hearing.features(t.window, t.noise, outputs, means, asked)
+        felt, loud, after = hearing.features(t.window, t.noise_floor, outputs, means, asked)
         seen = np.concatenate([loud > SEEN, np.any(loud > SEEN, axis=1, keepdims=True)], axis=1)
         rows, quiet = seen[:, -1] if skip_quiet else slice(None), min(t.threshold, t.warning) - BACK - 1.0
         odds = np.full(seen.shape, quiet)
-        each, whole = (_odds(weights(file), felt[rows]) for file in (RIDGES, SKIN))
+        each, whole = (_odds(network, felt[rows]) for network in t.networks)
         odds[rows] = np.concatenate([each, _mean(whole)[:, None]], axis=1)
         return np.where(seen, odds, np.minimum(odds, quiet)), after
 

@@ -18,7 +18,7 @@ from skincad.base.errors import InputError
 from skincad.base.result import Result, Writer, item, record, reported
 from skincad.base.version import __version__
 from skincad.detector import features
-from skincad.detector.detector import AHEAD, BACK, RIDGES, SEEN, SKIN, Detector, Tuning, weights
+from skincad.detector.detector import AHEAD, BACK, GRIPPER, SEEN, SKIN, Detector, Tuning
 from skincad.fabrication.papers import environment
 from skincad.outputs.delivery import Presentation, text
 
@@ -26,7 +26,11 @@ CLOCK = 600e6  # Hz, of a Teensy 4.1
 SHARE = 0.5  # of it, for the detector
 # instructions of a Cortex-M7, all ridges loud, within 5 %: gcc 12.2 -O2 under QEMU (bench/detector_cost.py)
 PER_RIDGE = 750.0  # of a sample
-PER_FOUR, REST = 127e3, (0.0, 47.5e3, 72e3, 103e3)  # of a decision: four ridges; one to three more
+# of a decision, by the network that warns: four ridges; one to three more
+PER_FOUR, REST = (
+    {SKIN: 127e3, GRIPPER: 23e3},
+    {SKIN: (0, 47.5e3, 72e3, 103e3), GRIPPER: (0, 7.4e3, 12.4e3, 17.2e3)},
+)
 UNITS, LANES = 6, 4  # hidden units and ridges that are computed together
 WIDEST = 118  # letters of a line of numbers
 ROUNDING = 3.3 / 4096 / math.sqrt(6)  # V rms: of a pair, by 12 bits of 3.3 V, each 1 / sqrt(12) of a step
@@ -37,7 +41,8 @@ NAMES = (
 )  # fmt: skip
 COMMAND = "export"
 REST_ROWS, ROWS, WINDOWS, MOST_ROWS = 20, 600, 40, 4000  # of the test vectors
-COUNT, BIAS = 0.125, 1000  # noise rms of a step of their inputs; steps that they rest at
+COUNT, BIAS = 0.125, 1000  # noise rms of a step of their inputs, at least; steps that they rest at
+MOST_COUNT = 30_000  # steps from there, so that they are C's shorts
 MARGIN, SEEDS = 2e-4, 20  # of odds from each threshold, a hundred times float32's rms error; attempts at that
 FACTS = {"CODE": CODE, "CLOCK": CLOCK, "SHARE": SHARE, "ROUNDING": ROUNDING}
 EVERY_ODDS = 50  # decisions whose odds are test vectors: each so manyth
@@ -59,10 +64,15 @@ class DetectorCode(Result):
         meaning="whether the amplifier's pin moves against output_V, so that the sketch turns it"
     )
 
-    @reported("V", "rms of S1 - S2, which alarms are measured by")
+    @reported("V", "rms of S1 - S2, which alarms are measured by where change_V is null")
     def noise(self) -> float:
         """Noise of a pair, V rms."""
         return self.tuning.noise
+
+    @reported("V", "rms of what S1 - S2 changes by from sample to sample, where the detector hears that")
+    def change(self) -> float | None:
+        """Noise of a pair's changes, V rms; None where the outputs themselves are heard."""
+        return self.tuning.change
 
     @reported(meaning="samples from one decision to the next")
     def every(self) -> int:
@@ -82,7 +92,7 @@ class DetectorCode(Result):
     @reported(meaning="of a Cortex-M7 for a sample, with all ridges loud, a mean over `every`")
     def instructions(self) -> float:
         """Instructions of a Cortex-M7 for a sample."""
-        return instructions(len(self.ridges), self.tuning.every)
+        return instructions(len(self.ridges), self.tuning.every, self.tuning.network)
 
     @property
     def quiet_instructions(self) -> float:
@@ -97,19 +107,19 @@ class DetectorCode(Result):
     @reported(meaning="the smallest `every` with which instructions are half of that, null for none")
     def fitting_every(self) -> int | None:
         """Smallest `every` that fits."""
-        return fitting_every(len(self.ridges), self.rate)
+        return fitting_every(len(self.ridges), self.rate, self.tuning.network)
 
     @reported(meaning="bytes of constants")
     def constant_bytes(self) -> int:
         """Bytes of the weights."""
-        networks = [weights(file) for file in (RIDGES, SKIN)]
-        return 4 * sum(w.into.size + w.bias.size + w.out.size + 1 for w in networks)
+        return 4 * sum(w.into.size + w.bias.size + w.out.size + 1 for w in self.tuning.networks)
 
     @reported(meaning="bytes of one detector's state")
     def state_bytes(self) -> int:
         """Bytes of the structure."""
-        count = len(self.ridges)
-        return 4 * (4 * count + 120 * count + count + 1 + 2) + -(-(count + 1) // 4) * 4
+        count, last = len(self.ridges), 0 if self.tuning.change is None else 1
+        flags = count + 1 + last
+        return 4 * (4 * count + 120 * count + count + 1 + 2 + last * 2 * count) + -(-flags // 4) * 4
 
     @cached_property
     def vectors(self) -> dict[str, Any]:
@@ -138,15 +148,16 @@ def export(detector: Detector, *, name: str = "a detector made in Python") -> De
     )
 
 
-def instructions(ridges: int, every: int) -> float:
+def instructions(ridges: int, every: int, network: str = SKIN) -> float:
     """Return how many instructions a Cortex-M7 needs for a sample of loud ridges, a mean over `every`."""
     fours, more = divmod(ridges, LANES)
-    return PER_RIDGE * ridges + (PER_FOUR * fours + REST[more]) / every
+    return PER_RIDGE * ridges + (PER_FOUR[network] * fours + REST[network][more]) / every
 
 
-def fitting_every(ridges: int, rate: float) -> int | None:
+def fitting_every(ridges: int, rate: float, network: str = SKIN) -> int | None:
     """Return the smallest `every` with which the code fits in half of 600 MHz; None where none does."""
-    decision, left = instructions(ridges, 1) - PER_RIDGE * ridges, SHARE * CLOCK / rate - PER_RIDGE * ridges
+    means = PER_RIDGE * ridges
+    decision, left = instructions(ridges, 1, network) - means, SHARE * CLOCK / rate - means
     return math.ceil(decision / left) if left > 0 else None
 
 
@@ -166,7 +177,7 @@ def test_vectors(ridges: tuple[int, ...], rate: float, tuning: Tuning) -> dict[s
         kinds = len({kind for _, kind, _ in vectors["alarms"]})
         if (margin > MARGIN, kinds, margin) > rank:
             best, rank = vectors, (margin > MARGIN, kinds, margin)
-        if rank[:2] == (True, 2):
+        if rank[:2] == (True, 2 if tuning.network == SKIN else 1):  # a gripper's names no ridge
             break
     return best
 
@@ -174,7 +185,8 @@ def test_vectors(ridges: tuple[int, ...], rate: float, tuning: Tuning) -> dict[s
 def _drawn(
     ridges: tuple[int, ...], rate: float, tuning: Tuning, count: int, draw: np.random.Generator
 ) -> tuple[dict[str, Any], float]:
-    """Vectors of one seed, and how far all odds are from the thresholds."""
+    """Vectors of one seed, and how far all odds are from the thresholds. Of a detector that hears changes,
+    pulls and presses are the rates of outputs that fade."""
     width, hold = len(ridges), 8 * tuning.window
     pull, press = (np.repeat(draw.normal(0, size, count // hold + 1), hold)[:count] for size in (150, 50))
     late = [np.roll(pull, int(lag)) for lag in draw.integers(0, 3 * tuning.window, width)]
@@ -184,10 +196,14 @@ def _drawn(
     pole = math.exp(-2 / (tuning.window / 3.5))  # two of them, which delay by the window over 3.5
     for _ in range(2):
         strips = lfilter([1 - pole], [1, -pole], strips, axis=0)
+    noise = math.sqrt(0.5)
+    if tuning.change is not None:
+        strips, noise = lfilter([1], [1, 1 / hold - 1], strips, axis=0), 0.5
+    step = max(COUNT, np.abs(strips).max() / MOST_COUNT)
     strips = np.concatenate([np.zeros((REST_ROWS, 2 * width)), strips])
-    strips += draw.normal(0, math.sqrt(0.5), strips.shape)
-    rows = np.rint(strips / COUNT).astype(int) + BIAS + 10 * np.arange(2 * width)
-    volts = float(np.float32(COUNT * tuning.noise))
+    strips += draw.normal(0, noise, strips.shape)
+    rows = np.rint(strips / step).astype(int) + BIAS + 10 * np.arange(2 * width)
+    volts = float(np.float32(step * tuning.noise_floor))
     inputs = rows.astype(np.float32) * np.float32(volts)  # as the code has them
     detector = Detector.of(tuning, ridges, rate)
     detector.rest(inputs[:REST_ROWS])
@@ -218,14 +234,13 @@ def _files(code: DetectorCode) -> dict[str, Writer]:
 
 def _written(code: DetectorCode, template: str) -> str:
     """A file of the code."""
-    networks = [weights(file) for file in (RIDGES, SKIN)]
-    count, hidden = networks[0].into.shape
-    blocks = [w.into.T.reshape(hidden // UNITS, UNITS, count).transpose(0, 2, 1).ravel() for w in networks]
+    networks, count = code.tuning.networks, features.COUNT
+    blocks = [w.into.T.reshape(-1, UNITS, count).transpose(0, 2, 1).ravel() for w in networks]
     facts = {
         "version": __version__,
         "seen": SEEN,
         "features": count,
-        "hidden": hidden,
+        "hidden": [w.bias.size for w in networks],
         "units": UNITS,
         "shares": [1.0 / (1.0 + span * code.tuning.window) for span in features.SPANS],
         "base": [w.base for w in networks],

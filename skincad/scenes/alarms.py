@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from skincad.base.arrays import Array, Index
-from skincad.detector.detector import POINTS, SURE, Alarm, Detector, tuned
+from skincad.circuit.network import Network
+from skincad.detector.detector import POINTS, SURE, Alarm, Detector, change_noise, tuned
 
 # Why an alarm is no true warning of gross slip
 PASSING = "the slip ends before gross slip"
@@ -112,6 +113,7 @@ def report(
     alarms: str = SURE,
     even: Index | None = None,
     noises: Iterable[Array] = (),
+    network: Network | None = None,
 ) -> dict[str, Any]:
     """Return the keys `events`, `lead_time_s`, the longest of these and the warning's, `warned_share` of the
     runs with this and other noise in which all monitored ridges warn, `event_score`, which counts
@@ -120,7 +122,8 @@ def report(
 
     `noise` V rms of one strip; `runs` by ridge from 1; `alarms` one of POINTS. The detector's samples are the
     steps `even`, equally spaced; all steps if not given. Each of `noises` `(steps + 1, ridges, 2)` V makes
-    the outputs those of another seed: with some, `lead_time_by_noise` has the leads' spread.
+    the outputs those of another seed: with some, `lead_time_by_noise` has the leads' spread. `network` is the
+    circuit's.
     """
     names, point = list(outputs), POINTS[alarms]
     at = np.arange(time.size) if even is None else even[even < time.size]
@@ -128,7 +131,8 @@ def report(
         nothing = dict.fromkeys(("longest_lead_time_s", "warning_lead_time_s", "warned_share", "event_score"))
         return {"events": [], "lead_time_s": {}, **nothing}
     rate, ridges = 1 / float(time[at[1]] - time[at[0]]), [int(name) for name in names]
-    tuning = tuned(rate, bandwidth, math.sqrt(2) * noise, alarms)
+    change = None if network is None else change_noise(alarms, network, bandwidth, rate)
+    tuning = tuned(rate, bandwidth, math.sqrt(2) * noise, alarms, change=change)
     values = np.stack([outputs[r][side] for r in names for side in ("S1", "S2")], axis=1)
     # runs and gross slip in samples; what happens between two of them is put at the later one
     sampled = {r: np.searchsorted(at, np.array(runs[r - 1], dtype=int)).tolist() for r in ridges}
@@ -171,8 +175,11 @@ def report(
         "event_score": {key: getattr(scores, key) for key in ("hits", "missed", "false", "misnamed")},
         "detector": {
             "alarms": alarms,
+            "share_of_lifts_held": point.held,
+            "share_of_lifts_held_between": list(point.held_between),
+            "mean_grip_over_the_least": point.grip,
             "share_of_gross_slips_warned_of": point.warned,
-            "between": list(point.between),
+            "between": None if point.between is None else list(point.between),
             "false_alarms_per_minute_of_handling": point.false,
             "of_these_while_nothing_slips": point.idle,
         },

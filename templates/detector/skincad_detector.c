@@ -15,6 +15,12 @@
 #define SEEN 5.0f    /* noise rms of a window, below which there is no alarm */
 #define BACK 1.0f    /* below its threshold a slip has ended */
 
+#ifdef SKINCAD_CHANGE_V
+#define HEARD_NOISE_V SKINCAD_CHANGE_V
+#else
+#define HEARD_NOISE_V SKINCAD_NOISE_V
+#endif
+
 #if defined(FP_FAST_FMAF) || defined(__FP_FAST_FMAF)
 #define ADDED(sum, a, b) fmaf(a, b, sum) /* one instruction; C99 makes none of a * b + sum */
 #else
@@ -118,12 +124,25 @@ static void hear(skincad_detector *d, const float *sample, float *now)
     const float share3 = skincad_share[3], share4 = skincad_share[4], share5 = skincad_share[5];
     float *mean = d->mean[0], *carry = d->carry[0];
     int r, i;
+#ifdef SKINCAD_CHANGE_V
+    if (!d->begun) /* nothing has changed by the first sample */
+        memcpy(d->last, sample, sizeof d->last);
+    d->begun = 1;
+#endif
     for (r = 0; r < RIDGES; r++) {
+#ifdef SKINCAD_CHANGE_V
+        const float one = (sample[2 * r] - d->last[2 * r]) * skincad_per_noise;
+        const float two = (sample[2 * r + 1] - d->last[2 * r + 1]) * skincad_per_noise;
+#else
         const float one = ((sample[2 * r] - d->rest[0][2 * r]) - d->rest[1][2 * r]) * skincad_per_noise;
         const float two = ((sample[2 * r + 1] - d->rest[0][2 * r + 1]) - d->rest[1][2 * r + 1]) * skincad_per_noise;
+#endif
         now[PAIR * RIDGES + r] = one - two;
         now[SUM * RIDGES + r] = one + two;
     }
+#ifdef SKINCAD_CHANGE_V
+    memcpy(d->last, sample, sizeof d->last);
+#endif
     of_others(now + PAIR * RIDGES, now + OTHERS * RIDGES);
     of_others(now + SUM * RIDGES, now + OTHERS_SUM * RIDGES);
     for (i = 0; i < 4 * RIDGES; i++)
@@ -262,11 +281,12 @@ static void features(const skincad_detector *d, const float *now, int r, float *
 INLINED void networks(const float *felt_by_ridge, const int width, float (*odds)[LANES])
 {
     const float *into = skincad_into, *bias = skincad_bias, *out = skincad_out;
-    float units[SKINCAD_HIDDEN * LANES];
+    float units[SKINCAD_MOST_HIDDEN * LANES];
     int network, block, f, i, r;
     for (network = 0; network < 2; network++) {
+        const int count = skincad_hidden[network];
         float *hidden = units, sums[LANES];
-        for (block = 0; block < SKINCAD_HIDDEN / UNITS; block++) {
+        for (block = 0; block < count / UNITS; block++) {
             const float *x = felt_by_ridge;
             BEGIN(A); BEGIN(B); BEGIN(C); BEGIN(D); BEGIN(E); BEGIN(F);
             for (f = 0; f < SKINCAD_FEATURES; f += 2) {
@@ -277,7 +297,7 @@ INLINED void networks(const float *felt_by_ridge, const int width, float (*odds)
             bias += UNITS;
         }
         sums[0] = sums[1] = sums[2] = sums[3] = skincad_base[network];
-        for (i = 0; i < SKINCAD_HIDDEN; i++) {
+        for (i = 0; i < count; i++) {
             const float *unit = units + i * LANES, weight = *out++;
             sums[0] = ADDED(sums[0], weight, squashed(unit[0]));
             if (width > 1) sums[1] = ADDED(sums[1], weight, squashed(unit[1]));
@@ -324,7 +344,7 @@ int skincad_detector_feed(skincad_detector *d, const float *samples, size_t n, s
     int c, place, count = 0;
     for (i = 0; i < n; i++)
         for (c = 0; c < SKINCAD_CHANNELS; c++)
-            if (!(fabsf(samples[i * SKINCAD_CHANNELS + (size_t)c] - d->rest[0][c]) <= LOUDEST * SKINCAD_NOISE_V))
+            if (!(fabsf(samples[i * SKINCAD_CHANNELS + (size_t)c] - d->rest[0][c]) <= LOUDEST * HEARD_NOISE_V))
                 return -1;
     for (i = 0; i < n; i++, d->count++, samples += SKINCAD_CHANNELS) {
         hear(d, samples, now);

@@ -24,7 +24,13 @@ extern "C" {
 #define SKINCAD_RIDGES {{ code.ridges | length }}
 #define SKINCAD_CHANNELS (2 * SKINCAD_RIDGES)
 #define SKINCAD_RATE_HZ {{ real(code.rate) }} /* of the samples */
+{% if tuning.change is none %}
 #define SKINCAD_NOISE_V {{ real(tuning.noise) }} /* rms, of a ridge's S1 - S2 at rest: no alarm below {{ seen | g }} times it */
+{% else %}
+#define SKINCAD_NOISE_V {{ real(tuning.noise) }} /* rms, of a ridge's S1 - S2 at rest */
+#define SKINCAD_CHANGE_V {{ real(tuning.change) }} /* rms, of what that changes by from sample to sample, which the detector
+   hears: the outputs are the stress itself, not its rate. No alarm below {{ seen | g }} times it. */
+{% endif %}
 #define SKINCAD_THRESHOLD {{ real(tuning.threshold) }} /* logarithm of odds from which on a ridge is said to slip */
 #define SKINCAD_WARNING {{ real(tuning.warning) }} /* and from which on gross slip is said to be ahead */
 #define SKINCAD_EVERY {{ tuning.every }} /* it decides at one of so many samples */
@@ -49,6 +55,10 @@ typedef struct {
     uint32_t count;
     uint32_t since;
     unsigned char taken[SKINCAD_RIDGES + 1];
+{% if tuning.change is not none %}
+    unsigned char begun;
+    float last[SKINCAD_CHANNELS];
+{% endif %}
 } skincad_detector;
 
 /* Begins anew: no sample heard, a resting voltage of 0 V. */
@@ -59,7 +69,7 @@ void skincad_detector_init(skincad_detector *detector);
 int skincad_detector_rest(skincad_detector *detector, const float *samples, size_t n);
 
 /* Hears the next n rows. Returns how many alarms they raised, of which the first `most` are in `alarms`; or -1 for a
-   value that is not finite, or 1e9 times the noise from rest, and has heard nothing then. */
+   value that is not finite, or 1e9 times the {{ "changes' " if tuning.change is not none }}noise from rest, and has heard nothing then. */
 int skincad_detector_feed(skincad_detector *detector, const float *samples, size_t n, skincad_alarm *alarms, int most);
 
 /* Returns "incipient slip" or "gross slip ahead". */

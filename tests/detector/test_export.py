@@ -9,7 +9,9 @@ import shutil
 import struct
 import subprocess
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +21,7 @@ import skincad
 from bench.detector_cost import COMPILER, EMULATOR, counted, emulated
 from skincad.base import files_below
 from skincad.circuit import INPUTS
-from skincad.detector import AHEAD, RIDGES, SKIN, Alarm, Detector, Tuning, features, weights
+from skincad.detector import AHEAD, GRIPPER, RIDGES, SKIN, Alarm, Detector, Tuning, features, weights
 from skincad.outputs import CLOCK, fitting_every, instructions
 from tests.conftest import run_skincad
 from tests.processes import LIMIT
@@ -39,8 +41,16 @@ on_target = pytest.mark.skipif(
 )
 
 
-def detector(ridges: int = 4, window: int = 3, noise: float = 1e-4, every: int = 1) -> Detector:
-    return Detector.of(Tuning(window, noise, 2.5, 1.25, every), range(2, ridges + 2), RATE)
+def detector(
+    ridges: int = 4,
+    window: int = 3,
+    noise: float = 1e-4,
+    every: int = 1,
+    network: str = SKIN,
+    change: float | None = None,
+) -> Detector:
+    tuning = Tuning(window, noise, 2.5, 1.25, every, network, change)
+    return Detector.of(tuning, range(2, ridges + 2), RATE)
 
 
 def code(folder: Path, made: Detector) -> Path:
@@ -123,6 +133,26 @@ def test_the_command_says_what_it_wrote(tmp_path: Path) -> None:
     assert (defines["THRESHOLD"], defines["WARNING"], defines["EVERY"]) == ("2.5f", "1.25f", "3")
 
 
+def test_of_a_stress_the_command_says_what_it_hears(tmp_path: Path) -> None:
+    """The firmware hears changes too: their noise is a constant of its own, which no other detector has."""
+    words = ("export", "yamada-2002", "--rate", "2000", "--alarms", "grip", "--ridges", "3,4", "--circuit")
+    done = run_skincad(*words, "charge-amplifier", "--detector", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    right = skincad.Detector("yamada-2002", "charge-amplifier", 2000.0, (3, 4), alarms="grip").tuning
+    assert right.change is not None
+    assert f"with {right.change:.3g} V rms of noise: the outputs are the stress itself" in done.stdout
+    table = json.loads((tmp_path / "out" / "export.json").read_text())
+    assert (table["noise_V"], table["change_V"]) == pytest.approx((right.noise, right.change))
+    head = (tmp_path / "out" / "skincad_detector" / "skincad_detector.h").read_text()
+    defines = dict(re.findall(r"#define SKINCAD_(\w+) (\S+)", head))
+    volts = [np.float32(defines[name][:-1]) for name in ("NOISE_V", "CHANGE_V")]
+    assert volts == [np.float32(right.noise), np.float32(right.change)]
+    assert "hears what they change by" in (tmp_path / "out" / "README.md").read_text()
+    done = run_skincad(*words, "single-supply", "--detector", "other", cwd=tmp_path)
+    assert "the stress itself" not in done.stdout
+    assert "CHANGE" not in (tmp_path / "other" / "skincad_detector" / "skincad_detector.h").read_text()
+
+
 @pytest.mark.parametrize("more", [(), ("--every", "4")])
 def test_the_sketch_turns_the_counts_of_an_inverting_amplifier(more: tuple[str, ...], tmp_path: Path) -> None:
     done = run_skincad(*COMMAND, "--ridges", "4,5", *more, "--detector", "out", cwd=tmp_path)
@@ -202,13 +232,34 @@ def test_from_python_too(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("ridges", [1, 2, 3, 4, 9])
 @pytest.mark.parametrize("flags", [(), SANITIZED, ("-O3",)], ids=["plain", "sanitized", "O3"])
-def test_it_passes_its_own_vectors(ridges: int, flags: tuple[str, ...], tmp_path: Path) -> None:
-    inner = code(tmp_path / "code", detector(ridges, every=ridges))
+@pytest.mark.parametrize(("network", "change"), [(SKIN, None), (GRIPPER, None), (GRIPPER, 1e-5)])
+def test_it_passes_its_own_vectors(
+    ridges: int, network: str, change: float | None, flags: tuple[str, ...], tmp_path: Path
+) -> None:
+    inner = code(tmp_path / "code", detector(ridges, every=ridges, network=network, change=change))
     for compiler in filter(shutil.which, ("gcc", "clang")):
         sources = [inner.parent / "test_detector.c", inner / "skincad_detector.c"]
         words = printed(built(tmp_path, sources, *flags, compiler=compiler))
         assert re.fullmatch(r"passed: \d+ alarms in 600 samples, odds within [\d.e-]+\n", words), words
-    assert int(words.split()[1]) >= 2
+    assert int(words.split()[1]) >= (2 if network == SKIN else 1)  # a gripper's names no ridge
+
+
+@compiled
+@pytest.mark.slow
+@pytest.mark.parametrize("rate", [500.0, 2000.0, 50_000.0])
+@pytest.mark.parametrize("circuit", ["charge-amplifier", "voltage-follower"])
+def test_it_passes_its_vectors_of_a_stress(circuit: str, rate: float, tmp_path: Path) -> None:
+    """At 50 kHz with a low-pass of 500 Hz its windows are long, and changes small."""
+    band = min(500.0, 0.4 * rate)
+    made = skincad.Detector("yamada-2002", circuit, rate, (3, 4, 5), alarms="grip", bandwidth=band)
+    assert made.tuning.change is not None
+    result = skincad.export(made)
+    assert np.abs(result.vectors["rows"]).max() < 2**15
+    inner = code(tmp_path / "code", made)
+    sources = [inner.parent / "test_detector.c", inner / "skincad_detector.c"]
+    words = printed(built(tmp_path, sources, *SANITIZED))
+    assert re.fullmatch(r"passed: \d+ alarms in \d+ samples, odds within [\d.e-]+\n", words), words
+    assert int(words.split()[1]) >= 1
 
 
 @compiled
@@ -239,6 +290,14 @@ def test_its_parts(tmp_path: Path) -> None:
     assert table["no-rows"] == ["-1"]
     assert [line[1:] for line in lines if line[0] == "refused"] == [["-1", "-1", "0"]] * 4
     assert int(table["bytes"][0]) == skincad.export(made).state_bytes
+    (tmp_path / "stress").mkdir()
+    for ridges in (2, 3, 4):  # flags are padded to whole words
+        stress = detector(ridges, change=1e-5)
+        inner_of_stress = code(tmp_path / "stress" / f"{ridges}", stress)
+        program_of_stress = built(tmp_path / "stress", [HERE / "parts.c"], f"-I{inner_of_stress}", *SANITIZED)
+        said = re.match(r"bytes (\d+)", printed(program_of_stress, "1"))
+        assert said is not None
+        assert int(said[1]) == skincad.export(stress).state_bytes
     rest = np.float32(1.65)
     ramp = np.float32(1e-6) * (np.arange(4) + 1).astype(np.float32) * (np.arange(rows) % 4096)[:, None]
     volts = (rest + ramp.astype(np.float32)).astype(float)
@@ -293,6 +352,15 @@ def marched() -> Iterator[Record]:
         yield detector(2, 18, 1e-3), np.concatenate([np.zeros((10, 4)), felt]).astype(np.float32) + 1.65
 
 
+def of_stress(setup: int) -> Iterator[Record]:
+    """Recordings as the rates of outputs that fade, from their rest."""
+    for made, rows in recordings(setup):
+        tuning = replace(made.tuning, noise=10 * made.tuning.noise, network=GRIPPER, change=made.tuning.noise)
+        rate = rows[10:] - rows[:10].mean(axis=0)
+        stress = lfilter([1], [1, -0.99], rate / math.sqrt(2), axis=0) + rows[0]
+        yield Detector.of(tuning, made.ridges, RATE), np.concatenate([rows[:10], stress]).astype(np.float32)
+
+
 def cut(rows: np.ndarray, number: int) -> list[np.ndarray]:
     """The rows at rest, and the others in blocks of any size, empty ones too."""
     draw = np.random.default_rng(number)
@@ -309,11 +377,14 @@ def as_python_says(made: Detector, blocks: list[np.ndarray]) -> list[list[tuple[
 
 @compiled
 @pytest.mark.slow
-@pytest.mark.parametrize("setup", [*range(len(SETUPS)), "marched"])
+@pytest.mark.parametrize("setup", [*range(len(SETUPS)), "marched", "stress, 1", "stress, 5", "stress, 9"])
 def test_its_alarms_are_pythons_block_by_block(setup: int | str, tmp_path: Path) -> None:
-    """300 recordings in all, a twelfth each. Odds differ by 1e-5, so that some alarm of very many would be a
-    sample apart: none of these is."""
-    records = list(marched() if isinstance(setup, str) else recordings(setup))
+    """300 recordings in all, a twelfth each, and 75 of a stress. Odds differ by 1e-5, so that some alarm of
+    very many would be a sample apart: none of these is."""
+    if isinstance(setup, int):
+        records = list(recordings(setup))
+    else:
+        records = list(marched() if setup == "marched" else of_stress(int(setup.rpartition(" ")[2])))
     assert len(records) == 25
     inner = code(tmp_path / "code", records[0][0])
     sources = [HERE / "record.c", inner / "skincad_detector.c"]
@@ -346,21 +417,25 @@ def test_it_passes_its_vectors_on_a_cortex_m7(ridges: int, every: int, tmp_path:
 @pytest.mark.slow
 def test_16_channels_at_5_khz_fit_in_half_of_600_mhz() -> None:
     """By instructions; as many as are said to 5 %, by which compilers differ."""
-    for ridges, every in ((8, 5), (1, 1), (2, 2), (7, 1)):
-        count = counted(ridges, every)
-        assert count == pytest.approx(instructions(ridges, every), rel=0.05)
+    cases = [(8, 5, SKIN), (1, 1, SKIN), (2, 2, SKIN), (7, 1, SKIN), (8, 2, GRIPPER), (3, 1, GRIPPER)]
+    for ridges, every, network in cases:
+        count = counted(ridges, every, network)
+        assert count == pytest.approx(instructions(ridges, every, network), rel=0.05)
         assert ridges < 8 or count * RATE < CLOCK / 2
 
 
 @compiled
 @pytest.mark.slow
-@pytest.mark.parametrize(("ridges", "round", "inverted"), [(2, 1, True), (9, 30, False)])
+@pytest.mark.parametrize(
+    ("ridges", "round", "inverted", "heard"),
+    [(2, 1, True, {}), (9, 30, False, {}), (3, 7, True, {"network": GRIPPER, "change": 1e-3})],
+)
 def test_the_sketch_prints_samples_and_alarms(
-    ridges: int, round: int, inverted: bool, tmp_path: Path
+    ridges: int, round: int, inverted: bool, heard: dict[str, Any], tmp_path: Path
 ) -> None:
     """On a stand-in for Arduino's library: what it prints is the wire's form, and what Python hears in it are
     its alarms."""
-    made = detector(ridges, noise=2e-3, every=3)
+    made = detector(ridges, noise=2e-3, every=3, **heard)
     made.inverted = inverted
     inner = code(tmp_path / "code", made)
     object_file = tmp_path / "detector.o"

@@ -24,7 +24,7 @@ from skincad.detector import AHEAD, Listener, listen, port_blocks, port_chunks, 
 from skincad.detector.listening import RecordingFile
 from skincad.detector.wire import check_rate
 from tests.conftest import run_skincad
-from tests.detector.test_detector import RATE, RIDGES, made, slipping
+from tests.detector.test_detector import RATE, RIDGES, made, of_stress, slipping, stressed
 from tests.processes import started
 from tests.refusals import refused, refused_command
 
@@ -77,6 +77,24 @@ def test_a_recordings_alarms_are_the_detectors(tmp_path: Path) -> None:
     )
     assert done.stderr.count("1.65") == 6
     assert done.stderr.count("\n") == 1
+
+
+def test_of_a_stress_a_grippers_alarms_are_the_detectors(tmp_path: Path) -> None:
+    """A file has the outputs; what they change by is the detector's business."""
+    values = np.round(stressed() * 100, 7)  # behind a louder board: 0.1 uV is the file's last digit
+    values[:REST] = np.round(np.random.default_rng(3).normal(0.0, 5e-5, values[:REST].shape), 7)
+    (tmp_path / "film.csv").write_text(board_lines(values, 0))
+    right = of_stress(noise=1e-4)
+    right.rest(values[:REST])
+    alarms = [(alarm.kind, alarm.ridge, alarm.index) for alarm in right.feed(values)]
+    words = (*WORDS, "--circuit", "charge-amplifier", "--alarms", "grip", "--noise", "1e-4")
+    done = run_skincad(*words, "--csv", "film.csv", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    events = said(done.stdout)
+    assert alarms_in(events) == alarms
+    assert {(kind, ridge) for kind, ridge, _ in alarms} == {(AHEAD, None)}
+    assert len(alarms) >= 3
+    assert alarms[0][2] >= REST
 
 
 def test_a_recording_of_another_program_is_read(tmp_path: Path) -> None:
