@@ -101,11 +101,14 @@ def live(
     """
     from skincad.circuit.model import Circuit
     from skincad.live.serve import serve
+    from skincad.scenes.scene import Scene
     from skincad.studies.subject import load_subject
 
     subject = load_subject(source, settings, **vars(workshop))
     if isinstance(subject, Circuit):
         raise InputError(source[:80], "is a circuit, not a design or a scene", remedy="give it to circuit")
+    if isinstance(subject, Scene) and subject.grip is not None:
+        raise InputError("grip", "is not shown live", remedy="give the scene to simulate")
     serve(subject, source, host, port, browser=browser, say=say)
 
 

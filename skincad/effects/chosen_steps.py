@@ -162,6 +162,15 @@ class ChosenPad:
                 return self._equilibrium(state, step.before, step.after, cone)
         return self._linear_or_chosen(state, step.before, step.after, cone, share.swing)
 
+    def chosen(self, state: ChosenState, end: Drive, share: Share) -> ChosenState:
+        """Return the equilibrium under a drive that a state is at already, chosen now. Raises ContactError
+        where it is not sound."""
+        if state.chosen:
+            return state
+        found = self._newton(state, end, share.cone or FRICTIONLESS, self._guess(state))
+        self._check(found)
+        return replace(state, tangent=self._tangent(found), distance=0.0, chosen=True)
+
     def fault(self, state: ChosenState) -> str | None:  # noqa: ARG002
         """None: a chosen step that is not sound is not taken, or ends the march where each is one."""
         return None

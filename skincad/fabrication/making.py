@@ -275,6 +275,9 @@ def _check_scenes(design: Design, scenes: Sequence[Result]) -> None:
         scene = getattr(result, "scene", None)
         if scene is None:
             raise InputError("scenes", "must be what simulate returns", result, "skincad.simulate(scene)")
+        if scene.grip is not None:
+            rule = "must not be lifts: the report shows histories"
+            raise InputError("scenes", rule, scene.name, "leave it out, or simulate it alone")
         if scene.design != design:
             remedy = "skincad.load_scene(name, skin=design)"
             raise InputError("scenes", "must be of the skin that is made", scene.name, remedy)

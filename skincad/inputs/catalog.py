@@ -51,7 +51,7 @@ _DECIMAL = re.compile(
 # the tables that only files of a kind have, by which one that was given to another's command is known
 _MARKS: dict[Kind, set[str]] = {
     "designs": {*FAMILY_TABLES, "slot", "material", "mold", "contact"},
-    "scenes": {"history", "effects", "readout"},
+    "scenes": {"history", "grip", "effects", "readout"},
     "circuits": {"amplifier", "motional", "cable", "sweep"},
     "studies": {"vary", "objectives", "constraints"},
 }

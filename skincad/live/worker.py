@@ -56,13 +56,13 @@ def check_design(design: Design, tell: Tell) -> None:
 def run_scene(scene: Scene, tell: Tell) -> None:
     """Tell a scene's signals on the coarsest mesh, then those of `skincad simulate`."""
     from skincad.scenes.march import LEVELS
-    from skincad.scenes.simulation import at_level, simulate
+    from skincad.scenes.simulation import at_level, marched, read_out
 
     def tick(stage: str, step: int, left: float | None = None, /) -> None:
         tell("stage", (f"{stage}, step {step} of {scene.history.step_count}", left))
 
     tell("signals", _signals(at_level(scene, LEVELS[0], tick), rough=True))
-    tell("signals", _signals(simulate(scene, tick=tick, model="small_strain"), rough=False))
+    tell("signals", _signals(read_out(scene, marched(scene, tick=tick)), rough=False))
 
 
 def make_files(request: tuple[Design, Path], tell: Tell) -> None:

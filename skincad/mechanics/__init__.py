@@ -19,7 +19,7 @@ __getattr__, __dir__ = face(
     contact.frictional_pad: FrictionalPad FrictionalState Tangential frictional_pad_of
     contact.frictionless: NodalContact Ridges press
     contact.ridge_model: ridge_forces ridge_model
-    contact.state: Compliance ContactState Drive FrictionCoefficients GrossSlip OPEN RIGHT STICK Swing
+    contact.state: Compliance ContactState Drive FrictionCoefficients GrossSlip OPEN RIGHT STICK Swing at_rest
     contact.tips: SWAY TipState Tips advance
     dynamics.modes: Modes at_points mode_step resolved slow_modes
     dynamics.pad: linear
@@ -48,6 +48,6 @@ __getattr__, __dir__ = face(
         SizeError check_pad pad_of solid_pad_of
     validity: LARGEST_STRAIN Limits crown_radius limits material_warnings plane_modulus
         refuse_crushed ridge_strain small_strain_violation tipping
-    verdict: Change ContactCheck NO_MODEL NextModel is_decided wiring_order
+    verdict: Change ContactCheck Holding LiftSignal NO_MODEL NextModel is_decided wiring_order
     """,
 )

@@ -32,15 +32,19 @@ from skincad.shape.skin import skin_of
 if TYPE_CHECKING:
     from skincad.outputs.figures.canvas import Picture
     from skincad.outputs.figures.stress import Moment
+    from skincad.scenes.lift import Lift
 
 COMMAND = "simulate"
 TABLE, PICTURE, ANIMATION = "signals.csv", "signals.png", "section.gif"
+LIFT_TABLE, LIFT_PICTURE = "lift.csv", "lift.png"
 RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
 STRIPS, MANY_STRIPS = "strips.png", 4  # and of how many monitored ridges on it is drawn
 
 
 def names(scene: Scene) -> list[str]:
     """Return the names of what will be written, if the scene runs to its end."""
+    if scene.grip is not None:
+        return [LIFT_TABLE, LIFT_PICTURE]
     sections = [_section_name(step) for step in scene.readout.steps]
     strips = [STRIPS] * (len(scene.readout.ridges) >= MANY_STRIPS)
     return [TABLE, PICTURE, *strips, *sections, *[ANIMATION] * bool(scene.readout.frames)]
@@ -219,6 +223,22 @@ SIMULATION = Presentation(
     },
     writers=files,
     figures=figures,
+)
+
+
+def _lift_table(lift: Lift, path: Path) -> None:
+    """Write a lift as CSV, a row a sample, by its keys."""
+    columns = lift.columns()
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    path.write_text(csv_text([list(columns), *([f"{value:.8g}" for value in row] for row in rows)]))
+
+
+LIFT = Presentation(
+    COMMAND=COMMAND,
+    words="lift.txt",
+    facts={"PICTURE": LIFT_PICTURE},
+    writers=lambda lift: {LIFT_TABLE: partial(_lift_table, lift)},
+    figures=drawn(LIFT_PICTURE, "lifts:lift_figure"),
 )
 GAIN = Presentation(
     COMMAND="circuit",

@@ -7,7 +7,11 @@ __getattr__, __dir__ = face(
     __name__,
     """
     alarms: NOTHING NOT_AHEAD PASSING Score report score
+    carrying: Carried Carrier PressedSkin carrier
+    ears: Ears rate_of
     errors: BySource Slips intervals near_chosen slip_errors slips_of
+    grip: Felt Force Grip followed
+    lift: Lift LiftRun carried
     march: GROSS_SLIP LEVELS Level March expected frames
     plan: IN_CHOSEN_STEPS DEFAULT_TOLERANCE FREE_ENDS SMALL_STRAIN chosen_steps folds
         held_against_rounder left_out_effects path_of with_rounder_fillets

@@ -11,11 +11,20 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+    model_validator,
+)
 
 from skincad.base.arrays import Array, Index
 from skincad.base.errors import InputError
 from skincad.base.tables import Document, Table, quantity, told
+from skincad.detector.detector import GRIP
 from skincad.effects import effect
 from skincad.effects.kinds import MASS, MOVING, RELIEF, Effect, Law, PadChange, Reader, Step, Term, share_of
 from skincad.inputs.catalog import (
@@ -29,6 +38,7 @@ from skincad.inputs.catalog import (
 )
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.state import Drive, FrictionCoefficients
+from skincad.scenes.grip import HEARING, Grip
 from skincad.shape.skin import skin_of
 
 MOST_FRAMES = 60  # of an animation of less than 2 MB
@@ -193,8 +203,10 @@ class Readout(Table):
     bandwidth_Hz: float = quantity(  # noqa: N815
         "Hz", "of the signals, where they are down by 3 dB", gt=0.0, le=1e9, default=5000.0
     )
-    alarms: Literal["sure", "early"] = Field(
-        default="sure", description="of the slip detector: few false ones, or few slips without one"
+    alarms: Literal["sure", "early", "grip"] = Field(
+        default="sure",
+        description="of the slip detector: few false ones, or few slips without one, or grip: for a gripper "
+        "that grips harder, the default beside [grip]",
     )
     steps: Annotated[list[Annotated[int, Field(ge=0)]], BeforeValidator(_listed)] = Field(
         default=[], description="at which the deformed section is drawn with its stress", max_length=100
@@ -212,6 +224,8 @@ class Readout(Table):
 
 LAW = "small_strain"  # of a scene that names none
 PIN_EFFECTS = "friction", LAW  # what is simulated of pins
+LIFT_EFFECTS = *PIN_EFFECTS, "film", "free_ends", "piezo", "viscosity"  # and of a lift
+DRAWN = "steps", "frames"  # of the readout, what is drawn of single steps
 
 
 def _placed(value: Any, folder: Path) -> Any:
@@ -249,15 +263,44 @@ class Scene(Document):
     skin: Annotated[str | Design, BeforeValidator(_skin)] = Field(
         description="a design's template, or a TOML file beside the scene"
     )
-    history: History
+    history: History = Field(  # type: ignore[assignment]  # of a lift, its plan
+        default=None, description="what the plate does; a scene has this or [grip]"
+    )
+    grip: Grip | None = Field(
+        default=None, description="two fingers grip an object and lift it, in the place of a history"
+    )
     plate: ScenePlate = ScenePlate()
     effects: Annotated[dict[str, dict[str, Any]], BeforeValidator(_effects)] = Field(
         default={}, description="tables of effects by name"
     )
     readout: Readout = Readout()
 
+    @model_validator(mode="before")
+    @classmethod
+    def _planned(cls, data: Any) -> Any:
+        """A lift's history is its plan: the first grip, under the load."""
+        if not isinstance(data, dict) or data.get("grip") is None:
+            return data
+        if data.get("history") is not None:
+            raise InputError("history", "has no effect beside [grip]", remedy="leave one of them out")
+        try:
+            grip = data["grip"] if isinstance(data["grip"], Grip) else Grip.model_validate(data["grip"])
+        except ValidationError as failure:
+            raise told(Grip, failure, "grip") from None
+        readout = data.get("readout") or {}
+        if isinstance(readout, dict):
+            readout = {"alarms": GRIP, **readout}
+        return {**data, "history": grip.plan(), "readout": readout}
+
+    @model_serializer(mode="wrap")
+    def _without_plan(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
+        tables: dict[str, object] = handler(self)
+        return {key: value for key, value in tables.items() if key != "history" or self.grip is None}
+
     @model_validator(mode="after")
     def _rules(self) -> Self:
+        if self.history is None:
+            raise InputError("history", "is missing", remedy="give history a value, or [grip]")
         _check(self)
         return self
 
@@ -372,6 +415,8 @@ def _check(scene: Scene) -> None:
     _ = scene.law
     if skin.symmetry != "extruded":
         _check_family(scene)
+    if scene.grip is not None:
+        _check_lift(scene, scene.grip)
     _check_parts(scene)
     _check_force(scene)
     for name, part in scene.parts.items():
@@ -426,7 +471,7 @@ def _check_parts(scene: Scene) -> None:
     bodies = {name: part for name, part in scene.parts.items() if isinstance(part, PadChange)}
     turns, moving = any(scene.history.rotation_deg or []), [name for name in asks if asks[name] & MOVING]
     needs = ["history.rotation_deg"] * turns
-    needs += [f"readout.{key}" for key in ("steps", "frames") if getattr(scene.readout, key)]
+    needs += [f"readout.{key}" for key in DRAWN if getattr(scene.readout, key)]
     still = [f"effects.{name}" for name, body in bodies.items() if body.condenses]
     still += [f"effects.{name}" for name in asks if RELIEF in asks[name]]
     for keys, beside in ((needs, [law] * (not scene.law.condenses) + moving), (still, moving)):
@@ -456,6 +501,41 @@ def _check_parts(scene: Scene) -> None:
         raise InputError("plate.mass", rule, scene.plate.mass, "leave one of them out")
 
 
+def _check_lift(scene: Scene, grip: Grip) -> None:
+    """Raise InputError for a gripper that cannot grip so, and for what a lift does not simulate, or lacks."""
+    try:
+        grip.acts(scene.design.grippers or {})
+    except InputError as failure:
+        raise failure.under("grip") from None
+    if skin_of(scene.design).symmetry != "extruded":
+        raise InputError("grip", "is for a skin with ridges", remedy="take a skin with [ridge]")
+    others = {"plate.mass": scene.plate.mass, **{f"readout.{k}": getattr(scene.readout, k) for k in DRAWN}}
+    for key, value in others.items():
+        if value:
+            raise InputError(key, "has no effect beside [grip]", value, "leave it out")
+    heard = {"effects.piezo": "piezo" in scene.effects, "readout.ridges": scene.readout.ridges}
+    for key, there in heard.items():
+        if grip.policy in HEARING and not there:
+            rule = f"is missing: policy = {grip.policy} hears the films"
+            raise InputError(key, rule, remedy="name what is wired, or take policy = constant")
+    _check_lift_effects(scene)
+
+
+def _check_lift_effects(scene: Scene) -> None:
+    """Raise InputError for effects that a lift does not simulate, or without friction."""
+    for name in scene.effects:
+        if name not in LIFT_EFFECTS:
+            raise InputError(f"effects.{name}", "is not simulated of a lift", remedy="leave it out")
+    if scene.effects.get("viscosity", {}).get("prony"):
+        raise InputError("effects.viscosity.prony", "has no effect on a lift", remedy="give retardation_time")
+    if scene.cone is None:
+        raise InputError("effects.friction", "is missing", remedy="a lift needs friction: give coefficient")
+    if scene.cone.static <= 0:
+        raise InputError("effects.friction.coefficient", "must be above 0 in a lift", scene.cone.static)
+    if scene.cone.breakpoints:
+        raise InputError("effects.friction.law", "must be coulomb in a lift", remedy="give coefficient alone")
+
+
 def _check_force(scene: Scene) -> None:
     """Raise InputError for a normal force that the ridges do not bear within the law's range, even if they
     share it evenly. With masses the skin may feel less than the plate."""
@@ -466,4 +546,5 @@ def _check_force(scene: Scene) -> None:
     )
     if MASS not in scene.asked and peak > ridges * ends.largest:
         rule = f"must be at most {ridges * ends.largest:.3g} N: {ends.overload_reason(peak / ridges)}"
-        raise InputError("history.normal_force_N", rule, peak, "take smaller forces or a harder silicone")
+        key = "history.normal_force_N" if scene.grip is None else "grip.force"
+        raise InputError(key, rule, peak, "take smaller forces or a harder silicone")

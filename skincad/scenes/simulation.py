@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from skincad.base.estimate import Estimate
 from skincad.base.interrupt import INTERRUPTED
 from skincad.base.progress import Tick
 from skincad.base.result import Record, Result, item, record, reported
+from skincad.circuit.model import circuit_network, fitted
 from skincad.circuit.state import FilteredSignal, band_limited, delay
 from skincad.effects.kinds import LeftOutEffect, Reader, ReaderContext
 from skincad.mechanics.contact.state import FrictionCoefficients
@@ -62,6 +63,9 @@ from skincad.scenes.runs import (
 from skincad.scenes.scene import Scene
 from skincad.shape.skin import skin_of
 
+if TYPE_CHECKING:
+    from skincad.scenes.lift import Lift
+
 
 def energy(march: March) -> dict[str, float]:
     """Return the plate's work, what is stored and lost, mJ, and what is missing, relative to the largest work
@@ -102,7 +106,9 @@ def _felt(reading: Readings, scene: Scene, march: March, slips: Slips) -> Readin
         if isinstance(part, Reader)
         for noise_of_seed in part.other_noises(_watched(scene), march.time)
     )
-    return report(march.time, reading["output_V"], noise, width, runs, gross, alarms, even, noises)
+    circuit = getattr(scene.parts.get("piezo"), "loaded", None)
+    network = circuit_network(fitted(circuit, scene.design)) if circuit else None
+    return report(march.time, reading["output_V"], noise, width, runs, gross, alarms, even, noises, network)
 
 
 # by the key that it follows from
@@ -387,8 +393,10 @@ def simulate(
     tick: Tick | None = None,
     partial: bool = False,
     model: Literal["auto", "small_strain"] = "auto",
-) -> Simulation:
-    """March a scene on one mesh after the other until the differential stress is within `tol` of its largest.
+) -> Simulation | Lift:
+    """March a scene, or lift the object of one with [grip] (scenes/lift.py); what follows is of a march.
+
+    March it on one mesh after the other until the differential stress is within `tol` of its largest.
 
     A scene that names no law, and of which small strain leaves out more than `tol`, is marched with finite
     strain in chosen steps next, then in each (scenes/plan.py): `model` and `scene` of the result say so.
@@ -408,6 +416,13 @@ def simulate(
     """
     if model not in SCENE_MODELS:
         raise InputError("model", "unknown model of a scene", model, did_you_mean(model, SCENE_MODELS))
+    if scene.grip is not None:
+        for key, value in (("tol", tol), ("budget", budget)):
+            if value is not None:
+                raise InputError(key, "has no effect on a lift", value, "leave it out")
+        from skincad.scenes.lift import lift
+
+        return lift(scene, tick=tick)
     more = model == "auto"
     run = marched(scene, tol=tol, budget=budget, tick=tick, partial=partial, further_models=more)
     return read_out(scene, run)

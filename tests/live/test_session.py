@@ -16,7 +16,8 @@ from skincad.live import apply_moves, controls, plots, start_session
 from skincad.live import session as steps
 from skincad.shape import section
 
-DESIGNS, SCENES = skincad.template_names(), skincad.template_names("scenes")
+DESIGNS = skincad.template_names()
+SCENES = [name for name in skincad.template_names("scenes") if skincad.load_scene(name).grip is None]
 
 
 def loaded(name: str) -> Any:

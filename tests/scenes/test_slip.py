@@ -16,8 +16,22 @@ import numpy as np
 import pytest
 
 from skincad.base import InputError
-from skincad.circuit import band_limited, delay
-from skincad.detector import AHEAD, EARLY, INCIPIENT, POINTS, SURE, Alarm, Detector, Tuning, features, tuned
+from skincad.circuit import band_limited, circuit_network, delay, fitted, load_circuit
+from skincad.detector import (
+    AHEAD,
+    EARLY,
+    GRIP,
+    INCIPIENT,
+    POINTS,
+    SURE,
+    Alarm,
+    Detector,
+    Tuning,
+    change_noise,
+    features,
+    tuned,
+)
+from skincad.inputs import load_design
 from skincad.outputs import write_table
 from skincad.scenes import (
     LEVELS,
@@ -318,6 +332,29 @@ def test_a_lead_has_its_spread_over_noises() -> None:
         assert spread == {"ridge": ridge, **ends, "warned": len(leads), "seeds": 6}
 
 
+def test_of_a_stress_a_grippers_alarms_are_those_of_its_changes() -> None:
+    """Also where the detector hears some of the steps alone."""
+    network = circuit_network(fitted(load_circuit("charge-amplifier"), load_design("yamada-2002")))
+    change = change_noise(GRIP, network, WIDTH, RATE)
+    assert change is not None
+    rates, slips = small()
+    rates = rates * (change / NOISE)
+    rates[0] = 0.0  # nothing has changed by the first sample
+    runs: Runs = [[], *slips]
+    right = report(TIME[:551], by_name(rates), change / math.sqrt(2), WIDTH, runs, 550, GRIP)
+    twice, even = np.repeat(np.cumsum(rates, axis=0), 2, axis=0), np.arange(0, 1102, 2)
+    time = np.arange(1102) / (2 * RATE)
+    moved = [[[2 * a, 2 * b] for a, b in ridge_runs] for ridge_runs in runs]
+    whole = report(time, by_name(twice), 1e-5, WIDTH, moved, 1100, GRIP, even, network=network)
+    raw = report(time, by_name(twice), 1e-5, WIDTH, moved, 1100, GRIP, even)
+    assert [e["step"] for e in whole["events"]] == [2 * e["step"] for e in right["events"]]
+    assert whole["lead_time_s"] == pytest.approx(right["lead_time_s"])
+    assert right["events"]
+    assert raw["events"] != whole["events"]
+    early = report(TIME[:551], by_name(rates), NOISE, WIDTH, runs, 550, EARLY, network=network)
+    assert early == report(TIME[:551], by_name(rates), NOISE, WIDTH, runs, 550, EARLY)
+
+
 @pytest.mark.slow
 def test_the_papers_scene_is_reported_by_ridge() -> None:
     outputs = by_name(papers())
@@ -361,7 +398,10 @@ def test_early_alarms_are_more_than_sure_ones() -> None:
     better, worse = (POINTS[kind] for kind in (EARLY, SURE))
     assert better.warned > worse.warned
     assert better.false > worse.false
-    assert all(p.between[0] < p.warned < p.between[1] for p in POINTS.values())
+    assert better.held > worse.held
+    assert better.grip > worse.grip
+    assert all(p.between[0] < p.warned < p.between[1] for p in (better, worse))
+    assert all(p.held_between[0] < p.held < p.held_between[1] for p in POINTS.values())
     assert (D.threshold, D.warning) == (better.threshold, better.warning)
 
 
@@ -378,6 +418,21 @@ def test_the_papers_scene_is_warned_of_before_gross_slip(seed: int | None, masse
     assert data["warning_score"]["false"] <= int(masses)
     assert data["event_score"]["false"] == 0
     assert data["lead_time_s"]["all"] > 0.45e-3
+
+
+@pytest.mark.slow
+def test_a_scene_hears_a_stress_as_a_robot_does() -> None:
+    piezo = ["effects.piezo.circuit=charge-amplifier", "effects.piezo.noise_seed=1"]
+    scene = load_scene("steady-pull", [*piezo, "readout.alarms=grip", "readout.ridges=[2, 3]"])
+    simulation = at_level(scene, LEVELS[0])
+    outputs, time, even = simulation.read["output_V"], simulation.march.time, scene.history.even
+    even = even[even < time.size]
+    rate, band = 1 / float(np.diff(time[even[:2]])[0]), scene.readout.bandwidth_Hz
+    robot = Detector(scene.design, "charge-amplifier", rate, (2, 3), alarms=GRIP, bandwidth=band)
+    values = np.stack([outputs[r][side] for r in "23" for side in ("S1", "S2")], axis=1)
+    right = [int(even[alarm.index]) for alarm in robot.feed(values[even])]
+    assert [event["step"] for event in simulation.read["events"]] == right
+    assert right
 
 
 @pytest.mark.slow
