@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from skincad.inputs.design import Design as Design
     from skincad.material.acceptance import accept as _accept
     from skincad.material.fit import fit_material as fit_material
-    from skincad.mechanics.check import check as _check
     from skincad.mechanics.film.stress import film_stress as _film_stress
     from skincad.outputs.delivery import save_picture as save_picture
     from skincad.outputs.delivery import write as write
@@ -51,6 +50,7 @@ if TYPE_CHECKING:
     from skincad.solids.skin import skin_solid as _skin_solid
     from skincad.studies.accuracy.accuracy import accuracy as _accuracy
     from skincad.studies.advice import advise as _advise
+    from skincad.studies.holding import check as _check
     from skincad.studies.optimising import optimise as _optimise
     from skincad.studies.solving import solve as _solve
     from skincad.studies.study import Study as Study
@@ -76,7 +76,7 @@ _HOMES = {  # name -> where it is, imported when it is first used: a check never
     "advise": "studies.advice:advise",
     "accuracy": "studies.accuracy.accuracy:accuracy",
     "board": "circuit.boards:board",
-    "check": "mechanics.check:check",
+    "check": "studies.holding:check",
     "design_for": "studies.wish:design_for",
     "export": "outputs.detector_code:export",
     "film_offers": "fabrication.films:film_offers",

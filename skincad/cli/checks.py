@@ -51,12 +51,29 @@ def check(
     film: Annotated[
         bool, option("--film", "Say which films that can be bought fit, and by what to cut the strips.")
     ] = False,
+    hold: Annotated[
+        str | None,
+        option(
+            "--hold MASS",
+            "Say how many drawn lifts of an object of 0.3kg or 300g are held; light ones take longer.",
+        ),
+    ] = None,
+    gripper: Annotated[
+        str | None,
+        option(
+            "--gripper NAME",
+            "With --hold: the gripper; default: the design's mold.mount.",
+            autocompletion=options.completes("grippers"),
+        ),
+    ] = None,
     advice: options.Advice = None,
     display: options.Display,
 ) -> None:
     """Say whether all ridges touch a plate.
 
-    Prints the verdict, its margin, its error, the force on each ridge, and what to do next.
+    Prints the verdict, its margin, its error, the force on each ridge, how far the films' signal of a slow
+    lift stands over the noise, and what to do next. --hold marches 20 drawn lifts, some 20 s, and for
+    light objects up to three times as long; with a --budget as many as fit in what is left of it.
     """
     from skincad.base.outfolder import checked_fresh
 
@@ -72,7 +89,16 @@ def check(
     offers = skincad.film_offers(design) if film else None
     with stage_bar(4) as progress:
         result = skincad.check(
-            design, force=force, tol=tol, budget=budget, model=model, measured=measured, progress=progress
+            design,
+            force=force,
+            tol=tol,
+            budget=budget,
+            model=model,
+            measured=measured,
+            hold=hold,
+            gripper=gripper,
+            signal=True,
+            progress=progress,
         )
         films = None
         if stress is not None:

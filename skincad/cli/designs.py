@@ -66,6 +66,10 @@ class WishOptions:
     gripper: Annotated[
         str | None, _wish("--gripper NAME", "Drill the carrier for this gripper.", "grippers")
     ] = None
+    hold: Annotated[
+        str | None,
+        _wish("--hold MASS", "An object that it is to hold, 0.3kg or 300g; one or two minutes more."),
+    ] = None
     film: Annotated[str | None, _wish("--film NAME", "Slots for this film, as pvdf-28um, or none.")] = None
     family: Annotated[
         str | None, _wish("--family NAME", "What stands on the skin: ridge, pin, ring or flat.")
@@ -93,10 +97,10 @@ def new(
 ) -> None:
     """Write a TOML file to edit, and its JSON schema: from a wish, or after a template.
 
-    With any of --size, --touch, --silicone, --process, --gripper, --film and --thickness it chooses a
-    castable pad that meets them, checks it, and says what it chose and why. What is not given is chosen too.
-    That takes about 30 s. In a terminal without options it asks. --family alone copies a template of that
-    family.
+    With any of --size, --touch, --silicone, --process, --gripper, --hold, --film and --thickness it chooses
+    a castable pad that meets them, checks it, and says what it chose and why. What is not given is chosen
+    too. That takes about 30 s, and with --hold one or two minutes more. In a terminal without options it
+    asks. --family alone copies a template of that family.
 
     An editor that knows the schema completes and checks the file.
     """

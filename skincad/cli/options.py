@@ -61,6 +61,13 @@ Printer = Annotated[
 ]
 Out = Annotated[Path | None, option("-o --out DIR", "The folder to write to; default: out/<name>.")]
 Force = Annotated[float | None, option("--force N", "Normal force; default: the design's.")]
+Hold = Annotated[
+    str | None,
+    option(
+        "--hold MASS",
+        "Of a design: march drawn lifts of an object of 0.3kg or 300g by the mount's gripper; 20 s each row.",
+    ),
+]
 Budget = Annotated[float | None, option("--budget S", "Seconds to spend; gives the best answer they allow.")]
 Model = Annotated[
     str,

@@ -34,6 +34,7 @@ def solve(
     ],
     settings: options.Settings = [],  # noqa: B006
     force: options.Force = None,
+    hold: options.Hold = None,
     model: Annotated[
         str | None,
         option("--model --tier", "The model of all checks; default: corrected, where that takes the design."),
@@ -81,6 +82,7 @@ def solve(
             model=model,
             tol=tol,
             force=force,
+            hold=hold,
             evaluations=evaluations,
             progress=progress,
         )
@@ -122,6 +124,7 @@ def sweep(
         ),
     ] = [],  # noqa: B006
     force: options.Force = None,
+    hold: options.Hold = None,
     model: Annotated[
         str | None, option("--model --tier", "The model of all checks; default: linear.")
     ] = None,
@@ -154,6 +157,7 @@ def sweep(
             model=model,
             tol=tol,
             force=force,
+            hold=hold,
             folder=target,
             **vars(evaluations),
             tick=tick,

@@ -101,15 +101,8 @@ def check(
 ) -> ContactCheck:
     """Return whether all ridges touch a rigid plate at `force` N (the design's own if None).
 
-    `model` names a model; `auto` starts with the cheapest that may do and takes better ones until the whole
-    relative error of the all-touch force is `tol`; without `tol` until the verdict is clear and the error
-    that a better model removes is 3 %, if that ends within 15 s, but no further where the force is less than
-    half of what is needed; with a `budget` in seconds, no further than it may last. If a model refuses, the
-    verdict of the one before stands. With a model named, `tol` and `budget` are asked of its mesh. `measured`
-    is a CSV of a cast part's crest heights (columns ridge, crest_mm), to judge that part. `on_verdict` is
-    called with each model's verdict as soon as it is known. Passed means: all touch, and the all-touch force
-    with its error still lies at or below the force. Raises InputError for a force, tolerance, budget or model
-    out of range.
+    The arguments are those of `skincad.check` (studies/holding.py), which adds a gripper. Raises InputError
+    for a force, tolerance, budget or model out of range.
     """
     if not isinstance(design, Design):
         raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -15,6 +15,9 @@ from skincad.mechanics.left_out import ALONG, FRICTION, LeftOut
 from skincad.mechanics.problem import NEGLIGIBLE, Answer, DeformedPiece, SelfContact, Yield
 
 FAR = 2.0  # times the force that all ridges need
+# dB of a slow lift over noise. Chosen: of 20 drawn lifts of 100 g by a gripper of 40 ms, templates at -2 to
+# 5 dB hold 9 to 13, those at 11 to 29 dB 17 to 20, by any slide and the detector's alarms for a gripper
+HEARD = 6.0
 
 Verdict = Literal["passes", "fails", "undecided"]
 
@@ -62,6 +65,75 @@ class Change(Record):
 
 
 @record()
+class LiftSignal(Record):
+    """How far the films' answer to a slow lift stands over the noise of film and amplifier."""
+
+    pull: float = item("N", "of the object on the finger, reached along a straight line")
+    rise: float = item("s", "in which it is reached")
+    circuit: str = item(meaning="behind which amplifier")
+    rate: float = item("Hz", "of its samples")
+    ridge: int = item(meaning="whose pair of films gives the largest signal")
+    signal: float = item("V", "rms of its S1 - S2 while the pull rises")
+    noise: float = item("V", "rms of S1 - S2 from film and amplifier")
+    level: float = item("dB", "of the signal over the noise", key="signal_to_noise_dB", error="level_error")
+    level_error: float = item("dB", "by which the level may be off, from mesh and method")
+
+    @reported(meaning="whether the level, but for its error, is enough for a warning")
+    def heard(self) -> bool:
+        """Whether the level, but for its error, is enough for a warning."""
+        return self.level >= HEARD
+
+    @reported(meaning="whether such a lift can be heard: heard, too weak, or undecided by the level's error")
+    def verdict(self) -> Literal["heard", "too weak", "undecided"]:
+        """`undecided` where the level's interval holds what is enough for a warning."""
+        if abs(self.level - HEARD) < self.level_error:
+            return "undecided"
+        return "heard" if self.heard else "too weak"
+
+
+@record()
+class Holding(Record):
+    """Which of some drawn lifts of an object a gripper with this skin holds: it stays and slides under 1 mm.
+
+    `low` and `high` are the ends of the 95 % interval of the share (E. B. Wilson, J. Am. Stat. Assoc. 22
+    (1927) 209). Without lifts `reason` says why there are none.
+    """
+
+    gripper: str = item(meaning="that grips, as grippers.toml has it")
+    mass: float = item("g", "of the object")
+    lifts: int = item(meaning="that were drawn")
+    held: int = item(meaning="after which the object has stayed and slid by less than 1 mm")
+    small_slides: int = item(meaning="the same as held")
+    stayed: int = item(
+        meaning="after which the object is in the fingers, at rest, on a skin that bears them, by any slide"
+    )
+    not_converged: int = item(meaning="whose march does not converge; they count as not held", default=0)
+    share: float | None = item(meaning="of the lifts that are held", error="share_error")
+    low: float | None = item(
+        meaning="lower end of the share's 95 % interval, by the number of lifts alone: what small strain and "
+        "the coarsest mesh change is not in it"
+    )
+    high: float | None = item(meaning="upper end of the same interval")
+    mean_grip_ratio: float | None = item(
+        meaning="mean force over the least that holds, of all lifts marched to their end, held or not"
+    )
+    dropped_by: Mapping[str, int] = item(meaning="lifts that are not held, by the cause")
+    beyond: int = item(meaning="lifts in which the forces leave small strain's range")
+    bears: float = item("N", "the largest force on this skin in small strain, if all ridges bear alike")
+    circuit: str = item(meaning="behind which amplifier the films are heard")
+    rate: float = item("Hz", "of its samples")
+    reason: str = item(meaning="why no lift was marched", null=True, default="")
+    seconds: float = item(meaning="wall time, s")
+
+    @property
+    def share_error(self) -> float | None:
+        """How far the farther end of the interval is from the share."""
+        if self.share is None or self.low is None or self.high is None:
+            return None
+        return max(self.high - self.share, self.share - self.low)
+
+
+@record()
 class ContactCheck(Result):
     """The check of a design under a plate. Errors are those of discretisation and of the model."""
 
@@ -99,6 +171,12 @@ class ContactCheck(Result):
     contact_width: Estimate | None = None  # mm, of a flat skin's face
     wire_first: tuple[int, ...] = item(
         meaning="ridges by the order in which to wire their films; none without films", default=()
+    )
+    lift_signal: LiftSignal | None = item(
+        meaning="the films' signal of a slow lift, if asked and there are films", default=None, optional=True
+    )
+    holding: Holding | None = item(
+        meaning="which lifts a gripper with this skin holds, if asked", default=None, optional=True
     )
     deformed: tuple[DeformedPiece, ...] = field(
         default=(), compare=False
@@ -204,7 +282,7 @@ def wiring_order(ridge_force: Sequence[Estimate]) -> tuple[int, ...]:
     Chosen on 72 even seeds of bench/exam, judged once on 38 odd ones from 6001 to 6157 (25 gross slips, by
     three noises): `sure` warns of 56 % of the slips with the first two, of 28 % with the outermost two (28
     more, 4 to 52), of 46 % with any two (10 more, -4 to 23: not certain). Warnings come later: the median
-    lead is 0.7 ms, with any two 1.6 ms. `python -m bench.exam.wiring` does it again.
+    lead is 0.7 ms, with any two 1.6 ms. What two wired ridges hold: `python -m bench.lifts --what links`.
     """
     values = [force.value or 0.0 for force in ridge_force]
     left, order = list(range(len(values))), list[int]()

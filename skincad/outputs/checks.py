@@ -11,7 +11,7 @@ from skincad.base.estimate import Estimate
 from skincad.base.progress import about
 from skincad.fabrication.papers import macro
 from skincad.mechanics.left_out import FRICTION
-from skincad.mechanics.verdict import NO_MODEL, ContactCheck
+from skincad.mechanics.verdict import NO_MODEL, ContactCheck, Holding, LiftSignal
 from skincad.outputs.delivery import Presentation, drawn
 from skincad.shape.skin import skin_of
 
@@ -60,6 +60,13 @@ def allowance(check: ContactCheck | None) -> tuple[tuple[float, ...], float]:
 def awaits_advice(check: ContactCheck) -> bool:
     """Return whether only a change of the design, not a better model, can make a check pass."""
     return check.verdict == "fails" or check.next_step.startswith(NO_MODEL)
+
+
+def holds_few(holding: Holding | None, signal: LiftSignal | None) -> bool:
+    """Return whether less than half of the lifts are held, or a slow one is too weak to be heard."""
+    if holding is None or holding.share is None:
+        return False
+    return holding.share < 0.5 or (signal is not None and signal.verdict == "too weak")
 
 
 def _force_bars(check: ContactCheck) -> tuple[str, int]:
@@ -123,6 +130,7 @@ CHECK = Presentation(
         "ends_of": _ends,
         "crest_steps": lambda part_yield: [slope / 100 for slope in part_yield.crest_sensitivity],
         "error_parts": error_parts,
+        "holds_few": holds_few,
         "awaits_advice": awaits_advice,
         "about": about,
         "skin_of": skin_of,

@@ -15,6 +15,8 @@ __getattr__, __dir__ = face(
     accuracy.ladder: ErrorMeasure Ladder Measurement slope
     accuracy.slip: scene_on
     advice: advise advising seconds_for_advice
+    holding: AMPLIFIER FIRST FRICTION KINDS LiftOutcome RISE drawn_lift hears history holding_of
+        lift_signal lifted mass_of scene_of summed
     optimising: optimise
     query: Evaluation Query evaluate first_able short worded
     running: Log

@@ -58,7 +58,9 @@ def optimise(
         model = first_able(RANKED_BY, subject)
     if isinstance(subject, Scene) and "check" in weighing.others():
         model = None  # it is that of the checks beside
-    hunt = _Hunt(study, subject, question_of(subject, model=model), varied, log, tick, weighing)
+    hunt = _Hunt(
+        study, subject, question_of(subject, model=model, hold=study.hold), varied, log, tick, weighing
+    )
     with working(workers, dask) as who:
         start = hunt.judged({}, who)
         hunt.correct(start, who)
@@ -128,7 +130,8 @@ class _Hunt:
     def coarse(self, who: Workers) -> tuple[Array, list[Member]]:
         """Return the best place by the closed form, or the subject's own, and what was judged on the way."""
         place, members = self.place({}), list[Member]()
-        if self.question.kind != "check" or self.question.model == GUIDE:
+        held = self.question.hold is not None  # of which the closed form knows nothing
+        if self.question.kind != "check" or self.question.model == GUIDE or held:
             return place, members
         for _ in range(MAPPED):
             evaluations = self._minimised("guide", self._search(place, COARSE), COARSE, Workers())
@@ -191,7 +194,8 @@ class _Hunt:
         """Take from a judged design how the judge differs from the cheaper models."""
         if member is None:
             return
-        models: list[Model] = ["search", "guide"] if self.question.kind == "check" else ["search"]
+        guided = self.question.kind == "check" and self.question.hold is None
+        models: list[Model] = ["search", "guide"] if guided else ["search"]
         for model in models:
             ((_, results),) = self._told([member.values], model, who)
             if results is not None:

@@ -25,9 +25,10 @@ from skincad.base.progress import Progress
 from skincad.base.result import Result, bare_key, reported, unit_of_key
 from skincad.base.version import __version__
 from skincad.inputs.design import Design
-from skincad.mechanics.check import check, require_force
+from skincad.mechanics.check import require_force
 from skincad.mechanics.models.table import model_named, unsupported_reason
 from skincad.scenes.scene import Scene
+from skincad.studies.holding import asked_lifts, check
 from skincad.studies.subject import Subject, Value, changed, fingerprint
 
 
@@ -74,23 +75,33 @@ def ranges(result: Any) -> dict[str, list[Value]]:
     return {knob.key: knob.range for knob in result.knobs}
 
 
-ECHOED = ("force_N", "friction")  # what a check was asked: no results that could be wanted
+ECHOED = (
+    "force_N",
+    "friction",
+    "holding.mass_g",
+    "holding.rate_Hz",
+)  # what a check was asked: no results that could be wanted
 Kind = Literal["check", "make", "simulate", "circuit"]
 
 
 @dataclass(frozen=True)
 class Query:
-    """What is asked: a check at `force` N (the design's own if None) by a model, its mesh to `tol`; a make,
-    with that check; a scene's simulation to `tol`; or a circuit's gain."""
+    """What is asked: a check at `force` N (the design's own if None) by a model, its mesh to `tol`, with the
+    lifts of an object of `hold` g by the mount's gripper where that is given; a make, with that check; a
+    scene's simulation to `tol`; or a circuit's gain."""
 
     kind: Kind
     model: str | None = None
     tol: float | None = None
     force: float | None = None
+    hold: float | None = None
 
     def key(self, subject: Subject) -> str:
         """Return what tells this question of this subject from any other."""
-        text = json.dumps([fingerprint(subject), asdict(self)], sort_keys=True)
+        asked = asdict(self)
+        if self.hold is None:  # as it was before anybody could ask that: old logs stay good
+            del asked["hold"]
+        text = json.dumps([fingerprint(subject), asked], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
@@ -114,11 +125,16 @@ class Evaluation:
 
 
 def question_of(
-    subject: Subject, *, model: str | None = None, tol: float | None = None, force: float | None = None
+    subject: Subject,
+    *,
+    model: str | None = None,
+    tol: float | None = None,
+    force: float | None = None,
+    hold: str | float | None = None,
 ) -> Query:
     """Return what is asked of a subject: a design's check, a scene's simulation, a circuit's gain.
 
-    Raises InputError for a model, tolerance or force that there is none of, or where there is none.
+    Raises InputError for a model, tolerance, force or mass that there is none of, or where there is none.
     """
     require_goals(tol, None, "0.05")
     if isinstance(subject, Design):
@@ -126,8 +142,8 @@ def question_of(
             require_force(force)
         if model not in (None, "auto"):
             model_named(model)
-        return Query("check", model, tol, force)
-    for name, value in (("model", model), ("force", force)):
+        return Query("check", model, tol, force, None if hold is None else asked_lifts(subject, hold)[0])
+    for name, value in (("model", model), ("force", force), ("hold", hold)):
         if value is not None:
             what = "a scene" if isinstance(subject, Scene) else "a circuit"
             raise InputError(name, f"is for a design, and {subject.name} is {what}", value, "leave it out")
@@ -180,7 +196,8 @@ def _unmade(subject: Subject, values: Mapping[str, Value], question: Query) -> s
 
 
 def _check(subject: Any, question: Query) -> Result:
-    return check(subject, force=question.force, model=question.model or "auto", tol=question.tol)
+    model = question.model or "auto"
+    return check(subject, force=question.force, model=model, tol=question.tol, hold=question.hold)
 
 
 def _make(subject: Any, _: Query) -> Result:
@@ -190,8 +207,11 @@ def _make(subject: Any, _: Query) -> Result:
 
 
 def _simulate(subject: Any, question: Query) -> Result:
+    from skincad.scenes.lift import lift
     from skincad.scenes.simulation import marched, marching, read_out
 
+    if subject.grip is not None:
+        return lift(subject)
     key = question.key(marching(subject))
     if key not in _LAST:  # a search over an amplifier alone marches once
         run = marched(subject, tol=question.tol)
@@ -281,7 +301,8 @@ class Evaluator:
     @property
     def guided(self) -> bool:
         """Whether there is a closed form that is cheaper than what is asked."""
-        return self.question.kind == "check" and self.question.model != GUIDE and not self.unlike
+        closed = self.question.kind == "check" and self.question.hold is None
+        return closed and self.question.model != GUIDE and not self.unlike
 
     def off(self, evaluation: Evaluation) -> float:
         """Return how far an answer is from the wishes, in parts of them; infinite where it has no values."""

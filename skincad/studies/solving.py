@@ -156,6 +156,7 @@ def solve(
     model: str | None = None,
     tol: float = TOL,
     force: float | None = None,
+    hold: str | float | None = None,
     evaluations: int | None = None,
     progress: Progress | None = None,
 ) -> Solution:
@@ -167,8 +168,9 @@ def solve(
     number: the values in its range that the search meets, or none after a search of the whole range. Several:
     those with the least change from the start, as parts of their ranges. Choices are tried one by one. Every
     check is by one `model`, the best for small strains if None or "auto": the numbers of two models differ by
-    more than `tol`, which is relative to what is wanted. Raises InputError for keys, ranges and tolerances
-    that can't be used.
+    more than `tol`, which is relative to what is wanted. With `hold`, a mass as "0.3kg", each check of a
+    design says too which lifts of such an object the mount's gripper holds: a target is `holding.share`, and
+    each value takes some 20 s. Raises InputError for keys, ranges and tolerances that can't be used.
     """
     began = perf_counter()
     require_number("tol", tol, lambda value: 0 < value < 1, "must be between 0 and 1 (relative)", "try 0.005")
@@ -179,7 +181,7 @@ def solve(
     stepped = [knob for knob in varied if knob.choices or knob.whole]
     smooth = [knob for knob in varied if knob not in stepped]
     _require_solvable(varied, len(wished) - len(bounds), len(smooth))
-    question = question_of(subject, model=model, force=force)
+    question = question_of(subject, model=model, force=force, hold=hold)
     if isinstance(subject, Design) and model in (None, "auto"):
         question = replace(question, model=first_able(MODELS, subject))
     evaluator = Evaluator(subject, question, wished, progress, bounds)

@@ -91,6 +91,10 @@ class Study(Document):
     evaluations: int = Field(default=200, ge=1, le=1_000_000, description="of the model that searches, about")
     model: str | None = Field(default=None, description="the model that searches; linear if not given")
     judge: str = Field(default="auto", description="the model that has the last word on what is found")
+    hold: str | float | None = Field(
+        default=None,
+        description="an object's mass, 0.3kg or 300 g: checks of a design say what the mount's gripper holds",
+    )
     robust: bool = Field(default=True, description="judge by the worse end of each error, not by the value")
     seed: int = Field(default=1, ge=0, le=2**31, description="of the optimiser; the same seed asks the same")
 

@@ -279,6 +279,7 @@ def sweep(
     model: str | None = None,
     tol: float | None = None,
     force: float | None = None,
+    hold: str | float | None = None,
     folder: Path | str | None = None,
     fresh: bool = False,
     workers: int = 1,
@@ -289,7 +290,9 @@ def sweep(
 
     `vary` is by key: (low, high, count), a list of choices or "all"; their grid is taken, or with `sample`
     that many Sobol points of the ranges. Checks are by one `model`, `linear` if None, and ranked by `rank`,
-    a result's key and "min" or "max", if nothing is said by the smallest all-touch force. With a `folder`
+    a result's key and "min" or "max", if nothing is said by the smallest all-touch force. With `hold`, a mass
+    as "0.3kg", each check of a design says too which lifts of such an object the mount's gripper holds
+    (`holding.share`), which takes some 20 s. With a `folder`
     each finished evaluation goes into its log at once, and what that has already is not asked again, unless
     `fresh`. Rows
     come from `workers` processes of this machine (a script that asks for more than one needs the usual
@@ -299,7 +302,7 @@ def sweep(
     began = perf_counter()
     varied = knobs(subject, vary)
     points = points_of(subject, vary, sample)
-    question = question_of(subject, model=model, tol=tol, force=force)
+    question = question_of(subject, model=model, tol=tol, force=force, hold=hold)
     if isinstance(subject, Design) and model is None:
         question = replace(question, model=first_able(RANKED_BY, subject))
     run = Run(subject, question, log_in(folder, fresh=fresh))

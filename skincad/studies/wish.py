@@ -9,7 +9,9 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from itertools import product
 from operator import itemgetter
 from time import perf_counter
 
@@ -35,12 +37,27 @@ from skincad.mechanics.validity import (
     ridge_strain,
     tipping,
 )
-from skincad.mechanics.verdict import ContactCheck
+from skincad.mechanics.verdict import ContactCheck, Holding
 from skincad.shape.skin import skin_of
 from skincad.studies.advice import two_digits
+from skincad.studies.holding import (
+    asked_mass,
+    first_grips,
+    hears,
+    holding_of,
+    lift_signal,
+    with_signal,
+)
 from skincad.studies.query import first_able
 from skincad.studies.solving import MODELS
-from skincad.studies.wish_reasons import BrokenWish, Choice, broken_wishes, choices, thick_warnings
+from skincad.studies.wish_reasons import (
+    BrokenWish,
+    Choice,
+    broken_wishes,
+    choices,
+    held_reason,
+    thick_warnings,
+)
 from skincad.studies.wish_shapes import (
     DROP,
     FLAT,
@@ -76,6 +93,8 @@ EDGE_SHARE = 1.25  # an outer ridge's force on a flat skin by the closed form's,
 LARGEST_DROP = 0.6  # of the way that the plate comes down
 MORE_FORCE = 1.4  # factor of the next force that is tried where one is not enough
 MOST_FORMS = 80  # shapes whose mold is looked at
+HOLDS = 0.95  # of the drawn lifts: an object's wish is met
+FEW_LIFTS, MOST_HELD = 8, 3  # lifts that tell designs apart, and how many others get them
 SECONDS = 28.0  # in which a wish is to be answered
 LEAST_SECONDS = 6.0  # of the last check
 _UNITS = {"": 1.0, "mm": 1.0, "cm": 10.0, "in": 25.4, "um": 1e-3, "µm": 1e-3, "N": 1.0, "mN": 1e-3}
@@ -100,7 +119,9 @@ class WishResult(Result):
     choices: tuple[Choice, ...] = item(meaning="what was chosen, and why")
     trade: tuple[Trade, ...] = item(meaning="what a thinner and a thicker skin would give")
     warnings: tuple[str, ...] = item(meaning="what else is to be known of the pad")
-    broken: tuple[BrokenWish, ...] = item(meaning="wishes that are not met; none if all are")
+    broken: tuple[BrokenWish, ...] = item(
+        meaning="wishes that are not met, or of which that is undecided; none if all are met"
+    )
     seconds: dict[str, float] = item(meaning="wall time, s")
 
     @reported(meaning="of the design")
@@ -165,6 +186,7 @@ def design_for(
     silicone: str | None = None,
     process: str = USUAL_PROCESS,
     gripper: str | None = None,
+    hold: str | float | None = None,
     film: str | float | None = USUAL,
     family: str = "ridge",
     thickness: str | float | None = None,
@@ -182,7 +204,11 @@ def design_for(
     the usual one is pvdf-28um in ridges, and pins have none. `family` is "ridge" or "pin". `thickness` is the
     skin's under its features, mm; if None the usual one, or thicker where only that is soft enough. Where a
     wish can't be met the nearest design is returned, and `broken` says which wish that is. It takes about
-    30 s. Raises InputError for a wish that is none, RefusedError where no model can judge any design for it.
+    30 s. `hold` is an object's mass, as "0.3kg", that the `gripper` is to hold: other silicones and shapes
+    are tried too, and of those whose films are heard the one that holds most drawn lifts is taken (`check`
+    says which lifts these are); met is that where it holds HOLDS of them, and undecided where it
+    holds fewer but the share's 95 % interval includes HOLDS. That takes one or two minutes more.
+    Raises InputError for a wish that is none, RefusedError where no model can judge any design for it.
     """
     began = perf_counter()
     if family not in WISHED:
@@ -206,6 +232,7 @@ def design_for(
     )
     base = wish.design({})  # raises InputError for names that nobody knows
     face = gripper_named(gripper, base.grippers or {}) if gripper else None
+    mass = None if hold is None else held_mass(hold, wish, base)
     width, length = size_of(size, face)
     wish = replace(wish, width=width, length=length)
     # those that can be pulled out of a mold, the hardest first
@@ -215,16 +242,32 @@ def design_for(
     names = [silicone] if silicone else tough
     search = _Search(wish, names, progress or (lambda *_: None), began)
     design, verdict = search.result()
+    for_hold: dict[str, str] = {}
+    if mass is not None and gripper is not None and hears(design):
+        design, verdict, for_hold = search.holding_most(design, verdict, mass, gripper)
+    verdict = with_signal(verdict, design)
     given = {"skin": size, "material.name": silicone, "skin.thickness": thickness}
     return WishResult(
         design=design,
         check=verdict,
-        choices=choices(design, [key for key, value in given.items() if value is not None]),
+        choices=choices(design, [key for key, value in given.items() if value is not None], for_hold),
         trade=trade(design, verdict),
         warnings=thick_warnings(design, face),
-        broken=broken_wishes(wish, design, search.given_up, meets(verdict)),
+        broken=broken_wishes(
+            wish, design, search.given_up, verdict, met=meets(verdict), mass=mass, holds=HOLDS
+        ),
         seconds={"total": perf_counter() - began},
     )
+
+
+def held_mass(hold: str | float, wish: Wish, base: Design) -> float:
+    """Return the mass, g, of an object to hold; raises InputError for a wish that can't be one of that."""
+    if not wish.film:
+        rule = "needs films, by which a slip is heard"
+        raise InputError("hold", rule, hold, "leave out film = none, and take ridges")
+    if wish.gripper is None:
+        raise InputError("hold", "needs a gripper that holds it", hold, "name one, as robotiq-2f85")
+    return asked_mass(hold, wish.gripper, base.grippers or {})
 
 
 def size_of(size: str | tuple[float, float] | None, face: Gripper | None = None) -> tuple[float, float]:
@@ -271,6 +314,23 @@ def thickness_of(thickness: str | float) -> float:
 def film_of(film: str | float | None) -> float:
     """Return a film's thickness, mm; 0 for none."""
     return 0.0 if film in (None, "none") else _amount("film", film)
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """A design that may hold an object: whether it bears the first grips and is heard, the share of a few
+    lifts, its check, and the keys that were chosen for that."""
+
+    promise: tuple[bool, bool]
+    share: float
+    design: Design
+    verdict: ContactCheck
+    keys: tuple[str, ...]
+
+    @property
+    def enough(self) -> bool:
+        """Whether no other design needs to be looked for."""
+        return all(self.promise) and self.share >= HOLDS
 
 
 @dataclass
@@ -392,6 +452,69 @@ class _Search:
             force *= 1 / MORE_FORCE if verdict.out_of_range else MORE_FORCE
         return design
 
+    def holding_most(
+        self, design: Design, verdict: ContactCheck, mass: float, gripper: str
+    ) -> tuple[Design, ContactCheck, dict[str, str]]:
+        """The design whose films are heard and which holds most of the drawn lifts, of those that pass; its
+        check with the lifts; and the keys that were chosen for it, each with the reason.
+
+        A few lifts tell which designs are worth more. The skin has to bear the drawn first grips, too.
+        """
+        largest = max(first_grips(mass, gripper, design.grippers or {}))
+
+        def promise(other: Design) -> tuple[bool, bool]:
+            return _bears(other, largest), lift_signal(other).heard
+
+        def lifts(other: Design, count: int | None = None) -> Holding:
+            def stage(name: str, *_: object) -> None:
+                self.progress(f"{other.count} ridges of {other.material.name}, {name}")
+
+            return holding_of(other, mass, gripper, lifts=count, progress=stage)
+
+        def candidate(other: Design, judged: ContactCheck, keys: tuple[str, ...]) -> _Candidate:
+            return _Candidate(promise(other), lifts(other, FEW_LIFTS).share or 0.0, other, judged, keys)
+
+        best = candidate(design, verdict, ())
+        rivals = [best]
+        others = [] if best.enough else [*self._others(design)]
+        self.thickest = math.inf  # the search's model judges
+        for other, keys in sorted(
+            others, key=lambda row: (promise(row[0]), lift_signal(row[0]).level), reverse=True
+        ):
+            if best.enough or len(rivals) > MOST_HELD:
+                break
+            if meets(judged := self._check(other)):
+                rivals.append(candidate(other, judged, keys))
+                best = max(best, rivals[-1], key=lambda row: (row.promise, row.share))
+        most = all(row is best or row.share < best.share for row in rivals)
+        why = held_reason(best.design, len(rivals), FEW_LIFTS, most=most)
+        if best.keys:
+            best = replace(best, verdict=self._check(best.design, last=True))
+        held = replace(best.verdict, holding=lifts(best.design))
+        return best.design, held, dict.fromkeys(best.keys, why)
+
+    def _others(self, design: Design) -> Iterator[tuple[Design, tuple[str, ...]]]:
+        """Castable designs that are soft enough, in other silicones, or with larger or smaller ridges; and
+        the keys that differ."""
+        wish = replace(self.asked, silicone=str(design.material.name))
+        drop = max(skin_of(design).crests) - min(skin_of(design).crests)
+        options: list[tuple[Design, tuple[str, ...]]] = [
+            (design.with_(material={"name": name}), ("material.name",))
+            for name in self.names
+            if name != design.material.name
+        ]
+        pitches = {design.spacing}
+        for end_plates, (pitch, count, form) in product(combs(wish), shapes(wish)):
+            if pitch not in pitches:
+                with suppress(ObstacleError):
+                    other = bent(design_of(wish, pitch, count, form, end_plates), drop)
+                    options.append((other, ("ridge.pitch",)))
+                    pitches.add(pitch)
+        for other, keys in options:
+            if room(other) >= JUST_ENOUGH and castable_obstacle(other) is None:
+                self.progress(f"signal of {other.count} ridges of {other.material.name}")
+                yield other, keys
+
     def _check(self, design: Design, last: bool = False) -> ContactCheck:
         """The verdict of the search's model; at last, and while the usual thickness is looked at, that of
         `check`."""
@@ -418,6 +541,15 @@ def room(design: Design) -> float:
     except InputError:  # pressed flat
         return 0.0
     return 0.0 if out_of_range or overload > 1.0 else approach / max(_crest_spread(design), 1e-9)
+
+
+def _bears(design: Design, force: float) -> bool:
+    """Whether a skin bears a force, N, in closed form."""
+    try:
+        _, overload, out_of_range = _estimate(design.with_(contact={"force": force}))
+    except InputError:  # pressed flat
+        return False
+    return overload <= 1.0 and not out_of_range
 
 
 def _crest_spread(design: Design) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from types import MappingProxyType
 from typing import Any
 
 from skincad.base.result import Record, item, record
@@ -11,6 +12,7 @@ from skincad.fabrication.papers import cell, cells, macro
 from skincad.inputs.design import Design
 from skincad.inputs.feature_tables import Ridge
 from skincad.inputs.gripper import Gripper
+from skincad.mechanics.verdict import ContactCheck
 from skincad.shape.skin import skin_of
 from skincad.studies import wish_shapes
 from skincad.studies.wish_shapes import Wish
@@ -29,25 +31,53 @@ class Choice(Record):
 class BrokenWish(Record):
     """A wish that could not be met."""
 
-    wish: str = item(meaning="size, touch, gripper, film or process")
+    wish: str = item(meaning="size, touch, gripper, film, process or hold")
     asked: str = item(meaning="as it was wished")
     given: str = item(meaning="as the design has it instead")
     why: str = item(meaning="the obstacle, and what may help")
+    undecided: bool = item(meaning="whether too few lifts were tried to say so", default=False)
 
 
-def choices(design: Design, asked: Collection[str] = ()) -> tuple[Choice, ...]:
-    """Return what was chosen, and by which rule; keys that were `asked` for are no choices."""
-    rows = _rows("choices", design)
-    return tuple(Choice(key=key, value=value, why=why) for key, value, why in rows if key not in asked)
+def choices(
+    design: Design, asked: Collection[str] = (), for_hold: Mapping[str, str] = MappingProxyType({})
+) -> tuple[Choice, ...]:
+    """Return what was chosen, and by which rule; keys that were `asked` for are no choices, those `for_hold`
+    were chosen by the lifts that they hold, with its reason."""
+    return tuple(
+        Choice(key=key, value=value, why=for_hold.get(key, why))
+        for key, value, why in _rows("choices", design)
+        if key not in asked
+    )
+
+
+def held_reason(design: Design, tried: int, lifts: int, *, most: bool) -> str:
+    """Return why a design was taken of those `tried` in a few `lifts`: it held `most`, or it came first."""
+    ((why,),) = _rows("for_hold", design, tried, lifts, most)
+    return why
 
 
 def broken_wishes(
-    wish: Wish, design: Design, given_up: Mapping[str, str], met: bool
+    wish: Wish,
+    design: Design,
+    given_up: Mapping[str, str],
+    verdict: ContactCheck,
+    *,
+    met: bool,
+    mass: float | None,
+    holds: float,
 ) -> tuple[BrokenWish, ...]:
     """Return the wishes that a design does not meet; `given_up` says which rule each part of it broke, `met`
-    whether the design passes at its own force."""
+    whether the design passes at its own force. Of lifts of `mass` g a share of `holds` was wished: it is
+    undecided where fewer are held but the share's interval includes it."""
     rows = _rows("broken", design, wish, given_up, met)
-    return tuple(BrokenWish(wish=key, asked=asked, given=given, why=why) for key, asked, given, why in rows)
+    undecided, holding = False, verdict.holding
+    if mass is not None:
+        undecided = holding is not None and holding.high is not None and holding.high >= holds
+        rows += _rows("not_held", design, wish, mass, holding, verdict.lift_signal, holds, undecided)
+    return tuple(
+        BrokenWish(wish=key, asked=asked, given=given, why=why, undecided=undecided and key == "hold")
+        for key, asked, given, why in rows
+    )
 
 
 def thick_warnings(design: Design, face: Gripper | None) -> tuple[str, ...]:
