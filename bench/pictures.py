@@ -57,6 +57,8 @@ PICTURES = {  # in docs/ -> the commands that draw it, and its file
         ("simulate yamada-2002-slip --set effects.piezo.circuit=transimpedance --set readout.ridges=[2,3]",),
         "out/yamada-2002-slip/recording.png",
     ),
+    "howto/pictures/lift-held.png": (("simulate lift",), "out/lift/lift.png"),
+    "howto/pictures/lift-dropped.png": (("simulate lift --set grip.policy=constant",), "out/lift/lift.png"),
 }
 
 

@@ -8,10 +8,6 @@ as slipping too, at a lower weight. The skin's label is whether a slip is on tha
 gross slip counts as much as one of EVENT windows. Scenes that ship are in the set, and records of ridges that
 all stick: two loads that run and stop, jump and turn, as abruptly as no scene. It writes both networks'
 files, and prints what threefold cross-validation by scene makes of thresholds: POINTS of detector.py.
-
-`--missing` tells which information the films lack: it fits the network that warns of gross slip to two thirds
-of the set in turn, and prints what its warnings are worth on the rest: without more, with friction as a
-feature of every ridge, with the pull over the normal force, and with that over friction.
 """
 
 from __future__ import annotations
@@ -29,7 +25,7 @@ from bench.exam.network import Samples, fitted
 from bench.exam.scenes import DESIGN, SceneRun, kept, seeds, shipped
 from bench.exam.scoring import HEAD, Alarm, Case, case, lasting, line, mark, near
 from skincad.circuit import band_limited, delay
-from skincad.detector import BACK, RIDGES, SEEN, SKIN, Weights, detector, features, taken, tuned
+from skincad.detector import RIDGES, SEEN, SKIN, Weights, detector, features, taken, tuned
 
 CIRCUIT = "transimpedance"
 OTHERS = {"yamada-2002": False, "charge-amplifier": True, "voltage-follower": True}  # differenced or not
@@ -47,9 +43,6 @@ FEWEST = 100  # steps of a scene that was marched far enough
 LOAD_RATE, LOAD_BAND = 1e5, 5e3  # Hz
 LOAD_STEPS, LOADS = 600, 60
 MOST_RIDGES = 5  # ridges, two at least
-TOLD = "nothing", "friction", "forces", "both"
-LEVELS = 1.0, 2.0, 3.0
-LIGHT, LARGEST = 1e-3, 2.0  # of the largest normal force, below which the pull is over that; of what is told
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,14 +148,14 @@ def of_ridges(told: list[Heard]) -> list[Samples]:
     return parts
 
 
-def of_skins(told: list[Heard], *, records: bool = True) -> list[Samples]:
-    """Return the samples of all told ridges together, with `records` of ridges that all stick."""
+def of_skins(told: list[Heard]) -> list[Samples]:
+    """Return the samples of all told ridges together, with records of ridges that all stick."""
     parts = []
     for h in told:
         coming = h.ahead[::THIN]
         few = EVENT * h.window / THIN / max(1, int(coming.sum()))
         parts.append((h.felt[::THIN], coming, np.where(coming, AHEAD * np.clip(few, 1.0, MOST), 1.0)))
-    for felt in _sticking() if records else ():
+    for felt in _sticking():
         parts.append((felt, np.zeros(felt.shape[0], bool), np.full(felt.shape[0], STICKING)))
     return parts
 
@@ -179,12 +172,12 @@ def odds(w: Weights, felt: np.ndarray) -> np.ndarray:
     return np.asarray(np.tanh(felt @ w.into + w.bias) @ w.out + w.base)
 
 
-def written(w: Weights, what: str) -> str:
-    """Return the weights as TOML, four digits of each."""
+def written(w: Weights, what: str, by: str = "bench/exam/fitting.py") -> str:
+    """Return the weights as TOML, four digits of each, with what they are for and what fitted them."""
     rows = ",\n".join("    [" + ", ".join(f"{v:.4g}" for v in column) + "]" for column in w.into.T)
     bias, out = (", ".join(f"{v:.4g}" for v in row) for row in (w.bias, w.out))
     return (
-        f"# The slip detector's network for {what}, by bench/exam/fitting.py; into: a row a hidden unit,\n"
+        f"# The slip detector's network for {what}, by {by}; into: a row a hidden unit,\n"
         "# its columns the features of skincad/detector/features.py in their order\n"
         f"base = {w.base:.4g}\nbias = [{bias}]\nout = [{out}]\ninto = [\n{rows},\n]\n"
     )
@@ -250,37 +243,6 @@ def _load(draw: np.random.Generator) -> np.ndarray:
     return values[np.searchsorted(at, np.arange(LOAD_STEPS), side="right")]
 
 
-def told(h: Heard, what: str) -> Heard:
-    """Return what is heard, with more features."""
-    scene, (count, ridges, _) = h.case.scene, h.felt.shape
-    normal = np.maximum(scene.normal[:count], LIGHT * scene.normal.max())
-    pull = np.abs(scene.tangential[:count]) / normal
-    more = {"friction": np.full(count, scene.friction), "forces": pull, "both": pull / scene.friction}
-    if what not in more:
-        return h
-    column = np.minimum(more[what], LARGEST).astype(np.float32)
-    return replace(h, felt=np.concatenate([h.felt, np.repeat(column[:, None, None], ridges, 1)], axis=2))
-
-
-def missing(folder: Path) -> None:
-    answer = [kept(seed, folder / "scenes") for seed in seeds(DESIGN)]
-    rows = [list(variants(m, folder / "outputs")) for m in answer if m.time.size >= FEWEST]
-    print(f"{len(rows)} scenes\n{HEAD}")
-    for what in TOLD:
-        marks = {level: [] for level in LEVELS}  # type: ignore[var-annotated]
-        for fold in range(FOLDS):
-            mine = [told(h, what) for i, row in enumerate(rows) if i % FOLDS != fold for h in row]
-            network = fitted(of_skins(mine, records=False), fold)
-            for row in rows[fold::FOLDS]:
-                h = told(row[0], what)
-                values = odds(network, h.felt).mean(axis=1)
-                values = np.where((h.loud > SEEN).any(axis=1), values, -np.inf)[:, None]
-                for level, each in marks.items():
-                    each.append(mark(h.case, alarms(values, level, BACK, skin=True), h.window))
-        for level, each in marks.items():
-            print(line(f"{what} told, threshold {level:g}", each), flush=True)
-
-
 def main(folder: Path) -> None:
     answer = [kept(seed, folder / "scenes") for seed in seeds(DESIGN)]
     answer = [m for m in answer if m.time.size >= FEWEST] + shipped(folder / "shipped")
@@ -294,4 +256,4 @@ def main(folder: Path) -> None:
 
 if __name__ == "__main__":
     with threadpool_limits(limits=1, user_api="blas"):
-        (missing if "--missing" in sys.argv else main)(Path(sys.argv[1]))
+        main(Path(sys.argv[1]))

@@ -50,21 +50,22 @@ def stacked(parts: list[Samples]) -> Stack:
     return Stack(rows, first, count, label, weight / weight.mean())
 
 
-def fitted(parts: list[Samples], seed: int = 0) -> Weights:
+def fitted(parts: list[Samples], seed: int = 0, hidden: int = HIDDEN) -> Weights:
+    """Return the weights of a network of so many hidden units."""
     samples = stacked(parts)
     middle, spread = samples.rows.mean(axis=0), samples.rows.std(axis=0) + 1e-3
     samples = replace(samples, rows=((samples.rows - middle) / spread).astype(np.float32))
-    into, bias, out, base = (p.astype(float) for p in layers(samples, seed))
+    into, bias, out, base = (p.astype(float) for p in layers(samples, seed, hidden))
     into = into / spread[:, None]
     return Weights(into, bias - middle @ into, out, float(base[0]))
 
 
-def layers(samples: Stack, seed: int) -> Layers:
+def layers(samples: Stack, seed: int, hidden: int = HIDDEN) -> Layers:
     """Return the fitted layers, from a seeded start."""
     draw, count, width = np.random.default_rng(seed), samples.label.size, samples.rows.shape[1]
     rows = [
-        draw.normal(0, 1 / math.sqrt(width), (width, HIDDEN)), np.zeros(HIDDEN),
-        draw.normal(0, 1 / math.sqrt(HIDDEN), HIDDEN), np.zeros(1),
+        draw.normal(0, 1 / math.sqrt(width), (width, hidden)), np.zeros(hidden),
+        draw.normal(0, 1 / math.sqrt(hidden), hidden), np.zeros(1),
     ]  # fmt: skip
     rows = [p.astype(np.float32) for p in rows]
     means, squares = ([np.zeros_like(p) for p in rows] for _ in range(2))

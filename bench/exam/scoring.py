@@ -1,4 +1,4 @@
-"""The exam's scenes behind an amplifier, and what alarms of them are worth.
+"""Scenes behind an amplifier, and what alarms of them are worth.
 
 A case has every strip's output without noise, and noise of any seed: Chain's answer to one step of charge, by
 superposition, and its noise density, drawn as one period of all strips.
@@ -7,10 +7,6 @@ An alarm names a ridge. It is true from a window before the slip of that ridge w
 Else it is false: of a slip that passes, if the ridge slips within a window; of another ridge, if only another
 slips, monitored or not; or of none. An alarm without a ridge is of the skin: true if any ridge so slips. A
 gross slip is warned of by a true alarm before it.
-
-Rivals of the detector: all alarms; a pair's output that falls by more than DROP of its largest of late in a
-window, as an engineer would set it first; and two oracles. One knows when each told ridge slips, the other
-the plate's forces and friction.
 """
 
 from __future__ import annotations
@@ -18,11 +14,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
 from scipy.signal import fftconvolve
 from scipy.stats import chi2
 
@@ -31,7 +25,6 @@ from bench.exam.scenes import SceneRun
 from bench.runner import wilson
 from skincad.circuit import circuit_network, corner, fitted, load_circuit, total_density
 from skincad.effects import Chain, strip_charges
-from skincad.scenes import intervals
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +44,6 @@ class Case:
     @property
     def gross(self) -> int | None:
         return self.scene.gross
-
-    @cached_property
-    def runs(self) -> list[list[list[int]]]:
-        """When each told ridge slips, [from, to]."""
-        return [intervals(column) for column in self.slipping.T]
 
     def noises(self, seed: int) -> np.ndarray:
         """Return noise as `outputs`, V, of a seed."""
@@ -225,37 +213,3 @@ def line(name: str, marks: list[Mark]) -> str:
         f"{100 * clean / len(marks):6.1f} ({100 * least:.0f}-{100 * most:.0f})"
         f"{minute:15.3g} ({fewest:.2g}-{largest:.2g}) {none / minutes:8.3g}"
     )
-
-
-DROP = 0.5  # assumption
-LATE = 10  # windows; assumption
-LOUD = 6.0  # noise rms of a pair; assumption
-
-
-def always(case: Case, window: int) -> list[Alarm]:
-    """Return an alarm of every ridge in every window."""
-    return [(r, i) for i in range(0, case.outputs.shape[0], window) for r in range(case.outputs.shape[1])]
-
-
-def threshold(case: Case, window: int, outputs: np.ndarray) -> list[Alarm]:
-    """Return where a pair's size falls by DROP of its largest of late within a window."""
-    pair = np.abs(outputs[:, :, 0] - outputs[:, :, 1])
-    size = LATE * window
-    largest = maximum_filter1d(pair, size, axis=0, origin=(size - 1) // 2, mode="constant")
-    before = np.concatenate([np.zeros_like(pair[:window]), pair[:-window]])
-    fall = (before - pair > DROP * largest) & (largest > LOUD * np.sqrt(2) * case.noise)
-    rises = fall & ~np.concatenate([np.zeros_like(fall[:1]), fall[:-1]])
-    return [(int(r), int(i)) for i, r in np.argwhere(rises)]
-
-
-def slips(case: Case) -> list[Alarm]:
-    return [(ridge, first) for ridge, runs in enumerate(case.runs) for first, _ in runs]
-
-
-def cone(case: Case, near: float) -> list[Alarm]:
-    """Return where the plate's pull passes `near` of what friction holds, told of the skin."""
-    end = case.outputs.shape[0]
-    pull, normal = np.abs(case.scene.tangential[:end]), case.scene.normal[:end]
-    over = (pull > near * case.scene.friction * normal) & (normal > 0)
-    rises = np.flatnonzero(over & ~np.concatenate([[False], over[:-1]]))
-    return [(None, int(i)) for i in rises]

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.exam import fitting, network, scoring
+from bench.exam import fitting, network
 from bench.exam.histories import ENDS, STEPS, history
 from bench.exam.scenes import (
     COUNT,
@@ -132,16 +132,6 @@ def test_a_lead_runs_from_the_first_alarm_and_a_false_one_has_its_phase() -> Non
     assert answer.within == ("first press", "pull")
 
 
-def test_rivals_deserve_what_they_get() -> None:
-    case = by_hand()
-    ever = mark(case, scoring.always(case, 3), 3)
-    assert ever.warned
-    assert ever.false > 20
-    (told,) = scoring.cone(case, 0.9)  # the pull passes 0.9 of 2 N between steps 84 and 85 of 2.1 N in 99
-    assert told == (None, 85)
-    assert scoring.slips(case) == [(0, 40), (0, 80), (1, 90)]
-
-
 def test_intervals_as_in_tables() -> None:
     """Garwood of none and of 5 events in 2 minutes."""
     assert rate(0, 2.0)[1:] == (0.0, pytest.approx(3.689 / 2, abs=1e-3))
@@ -189,18 +179,6 @@ def test_a_fit_finds_what_no_straight_line_tells(monkeypatch: pytest.MonkeyPatch
     table = tomllib.loads(fitting.written(answer, "a test"))
     np.testing.assert_allclose(np.array(table["into"]).T, answer.into, rtol=1e-3)
     np.testing.assert_allclose(table["out"], answer.out, rtol=1e-3)
-
-
-@pytest.mark.parametrize(("what", "last"), [("friction", 0.5), ("forces", 0.525), ("both", 1.05)])
-def test_what_a_network_is_told_stands_beside_what_it_hears(what: str, last: float) -> None:
-    """At the end 2.1 N pull on 4 N, of a friction of 0.5."""
-    nothing = np.zeros((100, 2))
-    h = fitting.Heard(by_hand(), 3, np.ones((100, 2, 5)), nothing, nothing, nothing, nothing[:, 0])
-    felt = fitting.told(h, what).felt
-    assert felt.shape == (100, 2, 6)
-    np.testing.assert_array_equal(felt[:, :, :5], h.felt)
-    assert felt[-1, :, 5] == pytest.approx([last, last], rel=1e-6)
-    assert fitting.told(h, "nothing") is h
 
 
 @pytest.mark.parametrize("file", [RIDGES, SKIN])
