@@ -77,9 +77,14 @@ class Ears:
         return place in self.railed
 
 
+def piezo_of(scene: Scene) -> Piezo | None:
+    """Return the effect that has the scene's amplifier, None without one."""
+    return next((part for part in scene.parts.values() if isinstance(part, Piezo)), None)
+
+
 def rate_of(scene: Scene) -> float:
     """Return the samples of a lift, Hz: the recorder's, or UNHEARD_RATE."""
-    piezo = next((part for part in scene.parts.values() if isinstance(part, Piezo)), None)
+    piezo = piezo_of(scene)
     if piezo is None:
         return UNHEARD_RATE
     circuit = fitted(piezo.loaded, scene.design)
@@ -93,7 +98,7 @@ def rate_of(scene: Scene) -> float:
 
 def ears_of(scene: Scene, rate: float, count: int, seed: int | None, gain: float) -> Ears | None:
     """Return what hears a scene's wired films for `count` samples; None without an amplifier."""
-    piezo = next((part for part in scene.parts.values() if isinstance(part, Piezo)), None)
+    piezo = piezo_of(scene)
     if piezo is None or not scene.readout.ridges:
         return None
     ears = Ears(scene, piezo, rate, count, gain)

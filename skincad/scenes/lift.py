@@ -31,11 +31,11 @@ from skincad.base.result import Result, item, record, reported
 from skincad.circuit.response import tells_stress
 from skincad.detector.detector import Detector, Tuning, change_noise, tuned
 from skincad.effects.kinds import FRICTIONLESS, LeftOutEffect, PlatePath
-from skincad.effects.piezo import SIDES, Chain, Piezo
+from skincad.effects.piezo import SIDES, Chain
 from skincad.mechanics.problem import ContactError
 from skincad.mechanics.validity import material_warnings
 from skincad.scenes.carrying import Carrier, PressedSkin, carrier
-from skincad.scenes.ears import Ears, bandwidth, ears_of, rate_of
+from skincad.scenes.ears import Ears, bandwidth, ears_of, piezo_of, rate_of
 from skincad.scenes.errors import slip_by_ridge
 from skincad.scenes.grip import (
     HARDER_BY_RATE,
@@ -471,7 +471,7 @@ class _Runner:
     def __init__(self, scene: Scene, tick: Tick | None) -> None:
         self.scene, self.tick, self.seconds = scene, tick, dict[str, float]()
         self.rate = rate_of(scene)
-        piezo = next((part for part in scene.parts.values() if isinstance(part, Piezo)), None)
+        piezo = piezo_of(scene)
         self.seed = None if piezo is None else piezo.noise_seed
         steps = scene.history.step_count / (scene.history.time_s[-1] * self.rate)
         self.told = lambda stage, sample: tick(stage, int(sample * steps)) if tick else None
