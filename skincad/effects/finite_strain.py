@@ -33,7 +33,8 @@ from skincad.base.machine import one_blas_thread
 from skincad.effects.kinds import Law, LeftOutEffect, SceneOutline, Term
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.mechanics.validity import SHEAR_FACTOR, plane_modulus
+from skincad.mechanics.validity import plane_modulus
+from skincad.shape.feature import BAR
 from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
@@ -143,7 +144,7 @@ def sway_force(design: Design, normal: float) -> float:
         math.pi * modulus * length * b**2 / 16 * height / bending for b in (skin.profile.root_width, tip)
     )
     straight = sway_angle(root, top) ** 2 * bending / height**2
-    shear = SHEAR_FACTOR * material.young_modulus.value / (2 * (1 + material.poisson_ratio)) * length * width
+    shear = BAR.shear * material.young_modulus.value / (2 * (1 + material.poisson_ratio)) * length * width
     return shear / 2 * (math.sqrt(1 + 4 * straight / shear) - 1)
 
 

@@ -219,7 +219,7 @@ def snapped_to_layers(job: Job) -> tuple[tuple[float, ...], float] | None:
     """
     skin = job.skin
     block, crests = _block(job), printed_crests(job)
-    if block is None or crests is None or skin.count > MOST_LISTED or skin.symmetry == "none":
+    if block is None or crests is None or skin.count > MOST_LISTED or skin.bare:
         return None
     off = max(abs(out - high) for out, high in zip(crests, skin.crests, strict=True))
     heights = []

@@ -445,11 +445,9 @@ def grooves_of(job: Job, part: Part) -> tuple[Groove, ...]:
     if part.role not in CAVITIES or not isinstance(body, Prism):
         return ()
     cast, rows, shift = job.cast_skin, [], job.place.centres[0]
-    if cast.symmetry == "none":
-        return ()
     cut = {s.feature for s in body.outline if s.feature is not None}
     for placed in cast.placed:
-        if placed.number in cut:
+        if placed.number in cut and placed.feature.outline:
             shape, summit, lean = placed.feature, placed.summit, -math.degrees(placed.lean)
             place = (summit.x + shift, -summit.z)
             rows.append(Groove(placed.number, place, lean, shape.height, shape.root_width, shape.tip_width))

@@ -77,7 +77,7 @@ def _measures(job: Job, crests: Crests) -> list[Measure]:
     body = known[job.design.mold.process]
     end = known[job.design.mold.end_plate_process or job.design.mold.process]
     mean, place = math.fsum(crests.heights) / skin.count, "the flat back"
-    if base.curvature_radius_y is not None:
+    if job.bent:
         place = "the back, in the middle of its length"
     what, how = f"mean crest over {place}", "mean of the crests as measured: the thickness"
     rows = [Measure(what, mean, mean - crests.mean, mean + crests.mean, "mm", how)]

@@ -327,7 +327,7 @@ def _reach(case: Case) -> Iterator[Finding]:
         if s.feature is not None
     ]
     in_holes.sort(key=lambda row: -row[0])
-    bare = case.job.skin.symmetry == "none"  # the face is the feature, and no groove
+    bare = case.job.skin.bare  # the face is the feature, and no groove
     grooved = [(depth, s) for depth, _, s in depths if s.feature is not None and not bare]
     yield from _in_grooves(case, [*in_holes, *grooved])
     yield from _elsewhere(case, [(depth, s) for depth, _, s in depths if s.feature is None or bare])

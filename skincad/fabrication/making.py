@@ -240,7 +240,7 @@ def bone_findings(design: Design) -> list[Finding]:
         return [note("bone", where, top, 0.0, "mm", "no model takes what is over it")]
     before, after, unit = flat.all_touch_force, high.all_touch_force, "N"
     touch = f"all touch at {float(after):.3g} N in the place of {float(before):.3g} N, and "
-    if skin_of(design).symmetry == "none":
+    if skin_of(design).bare:
         before, after, unit, touch = flat.approach, high.approach, "mm", ""
     words = (
         f"the check takes the back as flat; with all of it at the bone's top ({top:.3g} mm) {touch}at "

@@ -163,7 +163,7 @@ def _primed(job: Job) -> tuple[list[str], float]:
         what, area = ["the bone"], 3 * float(job.bone.shadow(2, 0.0).area)
     elif job.bone is None and not job.riveted:
         what = ["the carrier's lower face"]
-        area = skin.width * skin.length * (math.pi / 4 if skin.round else 1)
+        area = skin.area
     area *= job.design.mold.cavities
     if film is not None and slot is not None:
         count = strips.strip_count(job)

@@ -230,9 +230,7 @@ class Filling:
 def filling(job: Job) -> Filling:
     """Return how long filling takes, and how hard it is."""
     level, groove = front_time(job), groove_time(job)
-    # a pin's hole and a ring's groove have no end towards which a front could drive their air
-    closed = job.skin.symmetry in ("revolved", "concentric")
-    brushed = closed or groove / LAG > max(level, 60 * MOST_MINUTES)
+    brushed = job.skin.closed or groove / LAG > max(level, 60 * MOST_MINUTES)
     seconds = max(level, 0.0 if brushed else groove / LAG, job.design.mold.fill_time)
     if job.gate is None:
         return Filling(_rounded(seconds), 0, 0, 0.0, brushed)
@@ -341,14 +339,12 @@ def brushed_holes(job: Job, layer: LayerPour) -> bool:
 def open_back(job: Job) -> bool:
     """Whether the trough stands open when the first mix comes in, or its holes or rings are brushed full, so
     that a vacuum draws their air."""
-    return job.gate is None or job.skin.symmetry in ("revolved", "concentric")
+    return job.gate is None or job.skin.closed
 
 
 def _brushing(job: Job) -> float:
     """How long all features are brushed full, min."""
-    skin = job.design.skin
-    area = skin.width * skin.length * (math.pi / 4 if skin.round else 1)
-    return LOAD_MIN + area * job.design.mold.cavities / BRUSH / STROKE
+    return LOAD_MIN + job.design.skin.area * job.design.mold.cavities / BRUSH / STROKE
 
 
 def clock(job: Job, layer: LayerPour) -> float:

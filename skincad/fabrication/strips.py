@@ -334,7 +334,7 @@ def pull_off(job: Job) -> float:
     if bone or necks:
         behind = layers(job.design)[0] if job.design.shot else job.silicone
         return math.fsum(necks) * behind.young_modulus.value * RIVET_STRAIN
-    return BOND_SHARE * BOND_STRENGTH * skin.width * skin.length * (math.pi / 4 if skin.round else 1)
+    return BOND_SHARE * BOND_STRENGTH * skin.area
 
 
 def drift_in(job: Job, seconds: float) -> float:

@@ -336,7 +336,7 @@ def _pins(skin: Base, pin: Pin) -> tuple[Place, ...]:
         whole = _square(2 * across + 1, 2 * along + 1, pin.pitch)
     else:
         whole = _hexagonal(2 * across + 1 + along % 2, 2 * along + 1, pin.pitch)
-    return tuple(at for at in whole if (math.hypot(at.u, at.v) if skin.round else abs(at.u)) <= half_u)
+    return tuple(at for at in whole if skin.arm(at.u, at.v) <= half_u)
 
 
 _ROW = math.sqrt(3) / 2  # of the pitch, between two rows of a hexagonal pattern
@@ -403,7 +403,7 @@ def heights(skin: Base, features: Features) -> tuple[float, ...]:
     radius, along = skin.curvature_radius, skin.curvature_radius_y
     falls = []
     for at in where:
-        s = math.sin((math.hypot(at.u, at.v) if skin.round else at.u) / radius / 2) ** 2
+        s = math.sin(skin.arm(at.u, at.v) / radius / 2) ** 2
         falls.append((s, 0.0 if along is None else math.sin(at.v / along / 2) ** 2))
     if along is None:
         least = min(s for s, _ in falls)

@@ -213,8 +213,7 @@ def _pockets(skin: Base, features: Features, pocket: Pocket) -> Iterator[InputEr
 def _sink(skin: Base, u: float, v: float, reach: float) -> float:
     """By how much the base lies lower than in the skin's middle, mm, `reach` mm further out than (u, v)."""
     radius, along = skin.curvature_radius, skin.curvature_radius_y
-    outer = math.hypot(abs(u), abs(v)) if skin.round else abs(u)
-    fall = 2 * radius * math.sin((outer + reach) / radius / 2) ** 2
+    fall = 2 * radius * math.sin((skin.arm(u, v) + reach) / radius / 2) ** 2
     return fall + (0.0 if along is None else 2 * along * math.sin((abs(v) + reach) / along / 2) ** 2)
 
 

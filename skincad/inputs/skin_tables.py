@@ -6,6 +6,7 @@ z out of the skin, flat back at z = 0.
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, ConfigDict, Field, model_validator
@@ -63,6 +64,16 @@ class Base(Table):
     def round(self) -> bool:
         """Whether it is a disc, a solid of revolution about z."""
         return self.outline == "round"
+
+    @property
+    def area(self) -> float:
+        """Area of its outline, mm2."""
+        return self.width * self.length * (math.pi / 4 if self.round else 1)
+
+    def arm(self, x: float, y: float) -> float:
+        """Return how far from its middle the base has curved at a place, or at arcs, mm: a round one curves
+        all round. The second curvature does not count."""
+        return math.hypot(x, y) if self.round else abs(x)
 
     @property
     def across(self) -> str:

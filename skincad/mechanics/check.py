@@ -49,7 +49,6 @@ from skincad.mechanics.problem import (
     no_yield,
 )
 from skincad.mechanics.validity import (
-    areas,
     bone_warnings,
     exceeds_small_strain,
     limits,
@@ -264,7 +263,7 @@ def _may_be_sharper(solutions: Solutions, check: ContactCheck) -> bool:
         return False
     if len(left_out_by(check.next_model.model, design)) >= len(left_out_by(check.model, design)):
         return False
-    if skin_of(design).symmetry == "none":
+    if skin_of(design).bare:
         lasting = solutions.friction.lasting_error(check.model, bounds, "approach")
         return (check.approach.error or 0.0) / (check.approach.value or 1.0) - lasting > SHARP
     lasting = solutions.friction.lasting_error(check.model, bounds)
@@ -314,7 +313,7 @@ class Solutions:
     @property
     def request(self) -> Request:
         """What a model is asked, without tolerance and budget."""
-        drops, at = self.crest_offsets, areas(self.design)
+        drops, at = self.crest_offsets, [placed.area for placed in skin_of(self.design).placed]
         limit = limits(self.design).largest * (max(at) / at[0])
         return Request(self.force, None, None, drops, ridge_model=not drops, ridge_limit=limit)
 

@@ -73,7 +73,7 @@ def finite_strain(design: Design, answer: Answer, force: float) -> LeftOut:
     return LeftOut(
         effect=FINITE_STRAIN,
         threshold=of_force * at_threshold,
-        approach=(FACE_STRAIN if skin_of(design).symmetry == "none" else approach) * strain,
+        approach=(FACE_STRAIN if skin_of(design).bare else approach) * strain,
         share=share * strain,
     )
 
@@ -133,10 +133,10 @@ def pockets(design: Design, answer: Answer) -> LeftOut:
     if pocket is None:
         return LeftOut(effect=POCKETS, threshold=0.0, approach=0.0, share=0.0)
     share = (pocket.diameter / skin.profile.mean_width) ** 2
-    if skin.symmetry == "none":
+    if skin.bare:
         reach = math.sqrt(base.curvature_radius * (answer.approach.value or 0.0))
         across = min(base.width, 2 * reach)
-        area = math.pi / 4 * across**2 if base.round else across * base.length
+        area = base.area * (across / base.width) ** (2 if base.round else 1)
         share = min(1.0, len(places(base, table)) * math.pi / 4 * pocket.diameter**2 / area)
     over = base.thickness + max(skin.heights) - pocket.depth
     bound = min(POCKET_SHARE[0] * share, POCKET_SHARE[1] * math.sqrt(share)) * pocket.depth / over
@@ -163,7 +163,7 @@ def tip_constraint(design: Design, ridges: int) -> float:
     to being squeezed out (Poiseuille's flow, the silicone being nearly incompressible).
     """
     skin, nu = skin_of(design), silicone(design).poisson_ratio
-    if skin.symmetry == "none":  # no features between: from sliding to bonded
+    if skin.bare:  # no features between: from sliding to bonded
         thick = skin.base.thickness / skin.base.width
         return confinement(thick / 2, nu) / confinement(thick, nu)
     column = median(skin.heights) / skin.profile.mean_width

@@ -22,8 +22,6 @@ LARGEST_SLOPE = 0.35  # slope of the plate; vertical contact neglects half its s
 LARGEST_STRAIN = 0.3  # nominal strain of a ridge where all touch, beyond which there is no verdict
 SMALL_STRAIN = 0.1  # nominal strain of a ridge up to which small strain is meant
 TIPPING_WARNING = 0.5  # of the force at which a ridge tips over; beyond it a better model is needed
-SHEAR_FACTOR = 5 / 6  # of a rectangular section's area, Timoshenko's
-ROUND_SHEAR_FACTOR = 0.9  # of a round one's
 
 
 class Shares(Protocol):
@@ -80,33 +78,20 @@ class Limits:
 
 def limits(design: Design) -> Limits:
     """Return where small strain ends."""
-    modulus = silicone(design).young_modulus.value, silicone(design).poisson_ratio
-    skin = skin_of(design)
-    if skin.symmetry == "none":
+    material, skin = silicone(design), skin_of(design)
+    if skin.bare:
         return Limits(skin.height, family="")
-    area = areas(design)[0]
-    shear = modulus[0] / (1 + modulus[1]) * area
+    area = skin.placed[0].area
+    shear = material.young_modulus.value / (1 + material.poisson_ratio) * area
     squeeze = column_modulus(design) * area
     return Limits(skin.height, squeeze, shear, buckling_force(design), skin.family)
-
-
-def areas(design: Design) -> tuple[float, ...]:
-    """Return each feature's area halfway up, mm2: a ring's along its crest line; a flat skin's face."""
-    skin, width = skin_of(design), skin_of(design).profile.mean_width
-    if skin.symmetry == "revolved":
-        return (math.pi * width**2 / 4,) * skin.count
-    if skin.symmetry == "concentric":
-        return tuple(2 * math.pi * placed.summit.x * width for placed in skin.placed)
-    if design.skin.round:
-        return (math.pi * width**2 / 4,)
-    return (width * design.skin.length,) * skin.count
 
 
 def column_modulus(design: Design) -> float:
     """Return the modulus of a feature as a column, MPa: a pin's E, as its sides are free all round; else
     E / (1 - nu^2)."""
-    revolved = skin_of(design).symmetry == "revolved"
-    return silicone(design).young_modulus.value if revolved else plane_modulus(design)
+    held = skin_of(design).profile.column.held
+    return plane_modulus(design) if held else silicone(design).young_modulus.value
 
 
 def refuse_crushed(design: Design, force: float, model: str, approach: float) -> None:
@@ -164,9 +149,10 @@ def base_softness(design: Design) -> float:
 def ridge_strain(design: Design, answer: Shares) -> float:
     """Return the nominal strain of the most strained feature: its force over its modulus as a column and its
     area halfway up; of a flat skin the approach over its thickness."""
-    if skin_of(design).symmetry == "none":
-        return (answer.approach.value or 0.0) / skin_of(design).height
-    return limits(design).strain(_largest(design, answer))
+    ends = limits(design)
+    if not ends.family:
+        return (answer.approach.value or 0.0) / ends.height
+    return ends.strain(_largest(design, answer))
 
 
 def tipping(design: Design, answer: Shares) -> float:
@@ -182,10 +168,10 @@ def exceeds_small_strain(design: Design, answer: Shares) -> bool:
 def _largest(design: Design, answer: Shares) -> float:
     """The most loaded feature's force, N, of rings scaled to ring 1's area; of a skin curved along y what it
     were with the middle's force per length all along."""
-    forces = [force.value or 0.0 for force in answer.ridge_force]
-    if skin_of(design).symmetry == "concentric":
-        at = areas(design)
-        forces = [force * (at[0] / area) for force, area in zip(forces, at, strict=True)]
+    first, placed = skin_of(design).placed[0].area, skin_of(design).placed
+    forces = [
+        (force.value or 0.0) * (first / placed[i].area) for i, force in enumerate(answer.ridge_force)
+    ]
     return max(forces) * peak(design, answer.approach.value or 0.0)
 
 
@@ -207,39 +193,37 @@ def buckling_force(design: Design) -> float:
     that shears, clamped at its root, its tip held upright by the plate and free to slide along it.
 
     G A / 2 (sqrt(1 + 4 P / (G A)) - 1), with P = pi^2 E' I / h^2, I = L w^3 / 12, A = 5/6 L w and w the mean
-    width: Haringx, Philips Res. Rep. 3 (1948) 401. Of a pin E, I = A w^2 / 16 and 9/10 A (Timoshenko,
-    Strength of Materials, 1955, vol. 1, sec. 39). Of ring 1, which its turn stiffens, as of a straight ridge
-    of its length. Plane finite strain finds single ridges, 1.0 to 2.7 widths
-    high and tapered by up to half, to tip over at 0.84 to 1.20 times this (14 random ones; 0.72 to 1.22 for
-    the 20 before them). Tips of stubs fold first, from a nominal strain of about 0.2 on.
+    width: Haringx, Philips Res. Rep. 3 (1948) 401. Of a pin E, I = A w^2 / 16 and 9/10 A. Of ring 1, which
+    its turn stiffens, as of a straight ridge of its length. Plane finite strain finds single ridges, 1.0 to
+    2.7 widths high and tapered by up to half, to tip over at 0.84 to 1.20 times this (14 random ones; 0.72 to
+    1.22 for the 20 before them). Tips of stubs fold first, from a nominal strain of about 0.2 on.
     """
-    material, width = silicone(design), skin_of(design).profile.mean_width
-    length = areas(design)[0] / width if skin_of(design).symmetry == "concentric" else design.skin.length
-    inertia, factor = length * width**3 / 12, SHEAR_FACTOR
-    if skin_of(design).symmetry == "revolved":
-        length, inertia, factor = math.pi * width / 4, math.pi * width**4 / 64, ROUND_SHEAR_FACTOR
-    bending = math.pi**2 * column_modulus(design) * inertia / max(skin_of(design).heights) ** 2
+    material, skin = silicone(design), skin_of(design)
+    column, area = skin.profile.column, skin.placed[0].area
+    inertia = column.gyration * skin.profile.mean_width**2 * area
+    bending = math.pi**2 * column_modulus(design) * inertia / max(skin.heights) ** 2
     shear_modulus = material.young_modulus.value / (2 * (1 + material.poisson_ratio))
-    shear = factor * shear_modulus * length * width
+    shear = column.shear * shear_modulus * area
     return shear / 2 * (math.sqrt(1 + 4 * bending / shear) - 1)
 
 
 def small_strain_violation(design: Design, force: float, answer: Answer) -> str:
     """Why the verdict lies beyond the model's range, or "": judged where all features begin to touch; of a
     flat skin, of which the approach is asked, at the force."""
-    if skin_of(design).symmetry == "none":
+    ends = limits(design)
+    if not ends.family:
         strain = ridge_strain(design, answer)
         words = f"the skin's nominal strain is {strain:.2g}; the model's range ends at {LARGEST_STRAIN:g}"
         return words if strain > LARGEST_STRAIN else ""
     threshold = answer.all_touch_force.value
     at = 1.0 if threshold is None else min(1.0, threshold / force)
-    return limits(design).overload_reason(_largest(design, answer) * at)
+    return ends.overload_reason(_largest(design, answer) * at)
 
 
 def strain_warnings(design: Design, answer: Answer) -> tuple[str, ...]:
     """Return warnings where the nominal strain is no small one, and where a ridge nearly tips over."""
-    strain, part, skin = ridge_strain(design, answer), tipping(design, answer), skin_of(design)
-    of = "skin" if skin.symmetry == "none" else skin.family
+    strain, part = ridge_strain(design, answer), tipping(design, answer)
+    of = limits(design).family or "skin"
     notes = {
         f"nominal {of} strain {strain:.2g} is beyond the small-strain range ({SMALL_STRAIN:g})": strain
         > SMALL_STRAIN,

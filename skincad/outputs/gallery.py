@@ -32,7 +32,7 @@ def purpose(name: str, kind: Kind = "designs") -> str:
 def smallest_detail(design: Design) -> tuple[float, str]:
     """Return the narrowest groove, tooth or slot of a mold, mm, and which it is."""
     skin, pocket = skin_of(design), design.features.pocket
-    if skin.symmetry == "none":
+    if skin.bare:
         return (pocket.diameter, "pocket") if pocket else (skin.base.width, "skin")
     details = [skin.groove(), *([tooth] if (tooth := skin.tooth()) else [])]
     widths = [(detail.width, detail.where) for detail in details]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from skincad.inputs.skin_tables import Slot
 from skincad.shape.curves import Loop, Point, Segment, loop
@@ -71,6 +71,19 @@ class SensorPlace:
         return loop([self.at(-a, -b), self.at(a, -b), self.at(a, b), self.at(-a, b)], "slot", self.feature)
 
 
+class Column(NamedTuple):
+    """A feature's section halfway up, as that of a column of its mean width w: its second moment is
+    `gyration` w^2 of its area, and `shear` is Timoshenko's factor (Strength of Materials, 1955, vol. 1, sec.
+    39); `held` if it cannot spread along the feature."""
+
+    gyration: float
+    shear: float
+    held: bool
+
+
+BAR, ROD = Column(1 / 12, 5 / 6, True), Column(1 / 16, 0.9, False)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Feature:
     """What stands on the base, in its own frame, mm.
@@ -79,7 +92,7 @@ class Feature:
     meet a plate. `height` is that of its summit, which lies on the axis; `root_width` and `tip_width` are
     chords before fillets, `crown` is the tip's rise in its middle over its edges. `slot` is the table that
     its `sensors` follow. An `extruded` feature runs along y, a `revolved` one turns about its axis, a
-    `concentric` one about the skin's.
+    `concentric` one about the skin's. A face without features has no outline.
     """
 
     family: str
@@ -93,6 +106,7 @@ class Feature:
     slot: Slot | None = None
     sensors: tuple[SensorPlace, ...] = ()
     symmetry: Symmetry = "extruded"
+    column: Column = BAR
 
     @property
     def mean_width(self) -> float:
@@ -108,16 +122,23 @@ class Feature:
 @dataclass(frozen=True)
 class Placed:
     """A feature on the skin: `number` counts from 1; `lean` rad is from z to its axis, of a ridge towards +x;
-    `neighbours` are the numbers of those beside it. A pin stands at `y` mm, its axis has `axis_y` along y,
-    and `frame` is what of it lies in the section's plane."""
+    `neighbours` are the numbers of those beside it. It is as `long` mm along its crest as its area halfway
+    up over its mean width. A pin stands at `y` mm, its axis has `axis_y` along y, and `frame` is what of it
+    lies in the section's plane."""
 
     feature: Feature
     frame: Frame
     number: int
     lean: float
     neighbours: tuple[int, ...]
+    long: float
     y: float = 0.0
     axis_y: float = 0.0
+
+    @property
+    def area(self) -> float:
+        """Its area halfway up, mm2: a ring's along its crest line; a flat skin's face."""
+        return self.feature.mean_width * self.long
 
     @property
     def foot(self) -> Vector:

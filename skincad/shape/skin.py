@@ -94,6 +94,17 @@ class Skin:
         return self.profile.symmetry
 
     @property
+    def bare(self) -> bool:
+        """Whether it has no features: its face is what touches."""
+        return not self.profile.outline
+
+    @property
+    def closed(self) -> bool:
+        """Whether its features are closed all round, pins or rings: what casts them has no end towards which
+        a front could drive air."""
+        return self.symmetry in ("revolved", "concentric")
+
+    @property
     def count(self) -> int:
         """How many features there are."""
         return len(self.placed)
@@ -141,7 +152,7 @@ class Skin:
     @property
     def counted(self) -> str:
         """How many features there are, as words: "1 ridge", "9 pins", or "no features"."""
-        if self.symmetry == "none":
+        if self.bare:
             return "no features"
         return f"{self.count} {self.family}{'s' * (self.count > 1)}"
 
@@ -156,7 +167,7 @@ class Skin:
     @property
     def turned_down(self) -> str:
         """What of it is down while it is poured."""
-        return "its face" if self.symmetry == "none" else f"the {self.family}s"
+        return "its face" if self.bare else f"the {self.family}s"
 
     def groove(self) -> Narrowest:
         """Return the narrowest groove of what casts the skin: the tip of the highest feature."""
@@ -188,9 +199,7 @@ class Skin:
         of it has to pass the narrowest opening that the groove leaves on its way, w out of its width W. It is
         squeezed by the nominal strain 1 - w / W. Exact to the guards' chord tolerance; 0 is below it.
         """
-        if self.symmetry == "none":
-            return {}
-        return {placed.number: _undercut(tuple(upright(placed).outline)) for placed in self.placed}
+        return {p.number: _undercut(tuple(upright(p).outline)) for p in self.placed if p.feature.outline}
 
 
 @lru_cache(maxsize=32)
@@ -230,8 +239,8 @@ def cell_section(
 
     Raises InputError for a pin whose foot covers the disc.
     """
-    skin, up = skin_of(design), Frame(Point(0.0, design.skin.thickness), Point(1.0, 0.0), Point(0.0, 1.0))
-    pin = Placed(skin.placed[number - 1].feature, up, 1, 0.0, ())
+    up = Frame(Point(0.0, design.skin.thickness), Point(1.0, 0.0), Point(0.0, 1.0))
+    pin = replace(skin_of(design).placed[number - 1], frame=up, number=1, lean=0.0, y=0.0, axis_y=0.0)
     foot, thickness = pin.feature.feet[0].x, design.skin.thickness
     if not foot < radius:
         rule = f"must leave base round a pin's foot, {foot:.4g} mm in radius"
@@ -330,7 +339,7 @@ def upright(placed: Placed) -> Placed:
 
 
 def _base_arc(skin: Skin, start: Point, end: Point, sweep: float) -> Iterator[Segment]:
-    face = skin.symmetry == "none"
+    face = skin.bare
     segment = Segment(start, end, math.tan(sweep / 4), "base", 1 if face else None, face)
     if skin.symmetry == "revolved" and abs(segment.bulge) * segment.chord / 2 < GUARD_TOLERANCE:
         segment = replace(segment, bulge=0.0)  # plane, as a flat skin's pins stand

@@ -234,8 +234,7 @@ def _web(cup: Bore, hole: Bore) -> float:
 
 def _skin_volume(design: Design) -> float:
     """About how large the skins' base is, mm3."""
-    skin = design.skin
-    return skin.width * skin.length * skin.thickness * (math.pi / 4 if skin.round else 1.0)
+    return design.skin.area * design.skin.thickness
 
 
 def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:

@@ -76,7 +76,7 @@ def _section_view(design: Design) -> list[Mark]:
 def _ridge_view(design: Design) -> list[Mark]:
     """The middle feature, or the one beside the middle, upright and enlarged; none of a flat skin."""
     skin = skin_of(design)
-    if skin.symmetry == "none":
+    if skin.bare:
         return []
     ridge, number = skin.profile, (skin.count + 1) // 2
     if skin.symmetry == "revolved":  # the pin that the section above shows nearest to its middle

@@ -22,7 +22,7 @@ def place(design: Design) -> tuple[Placed, ...]:
         symmetry="none",
     )
     top = Frame(Point(0.0, design.skin.thickness), Point(1.0, 0.0), Point(0.0, 1.0))
-    return (Placed(face, top, 1, 0.0, ()),)
+    return (Placed(face, top, 1, 0.0, (), design.skin.area / width),)
 
 
 def without_fillets(design: Design) -> Design:

@@ -15,7 +15,7 @@ from skincad.inputs.feature_tables import places
 from skincad.inputs.skin_tables import Base
 from skincad.shape.curves import Point
 from skincad.shape.families.ridges import profiles, without_fillets
-from skincad.shape.feature import Feature, Frame, Placed
+from skincad.shape.feature import ROD, Feature, Frame, Placed
 
 __all__ = ["place", "without_fillets"]
 
@@ -25,7 +25,8 @@ NEIGHBOURS = 1.2  # pitches: a hexagonal pattern's six, a square's four
 def place(design: Design) -> tuple[Placed, ...]:
     """Return the design's pins on its skin, in the order of `places`. Raises InputError where one has no
     shape."""
-    features = profiles(design, "revolved")
+    # a pin stands on the plane that touches the base at its foot
+    features = profiles(design, math.inf, "revolved", ROD)
     where = places(design.skin, design.features)
     plan = np.array([complex(at.u, at.v) for at in where])
     near = [np.flatnonzero(np.abs(plan - at) <= NEIGHBOURS * design.spacing).tolist() for at in plan]
@@ -67,4 +68,5 @@ def _placed(
             axis = axis[0], axis[2] * math.sin(turn), axis[2] * math.cos(turn)
     tilt = math.hypot(axis[0], axis[1])
     frame = Frame(Point(foot[0], foot[2]), Point(axis[2], -axis[0]), Point(axis[0], axis[2]))
-    return Placed(feature, frame, number, math.atan2(tilt, axis[2]), neighbours, foot[1], axis[1])
+    lean, long = math.atan2(tilt, axis[2]), math.pi / 4 * feature.mean_width
+    return Placed(feature, frame, number, lean, neighbours, long, foot[1], axis[1])

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -16,7 +17,7 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.inputs.feature_tables import Flat, Pin, Ridge
 from skincad.shape.curves import Point, Segment, concentric_hit, rise
-from skincad.shape.feature import Feature, Frame, Placed, SensorPlace, Side, Symmetry
+from skincad.shape.feature import BAR, Column, Feature, Frame, Placed, SensorPlace, Side, Symmetry
 
 ProfileTable = Ridge | Pin
 
@@ -31,7 +32,8 @@ def in_a_row(design: Design, symmetry: Symmetry) -> tuple[Placed, ...]:
 
     Raises InputError where one has no shape, or neighbours no room.
     """
-    features, radius = profiles(design, symmetry), design.skin.curvature_radius
+    radius = design.skin.curvature_radius
+    features = profiles(design, radius, symmetry)
     _check_roots(design, features)
     placed = []
     for number, feature in enumerate(features, 1):
@@ -40,18 +42,18 @@ def in_a_row(design: Design, symmetry: Symmetry) -> tuple[Placed, ...]:
         origin = Point(radius * sine, design.skin.thickness - 2 * radius * math.sin(lean / 2) ** 2)
         frame = Frame(origin, Point(cosine, -sine), Point(sine, cosine))
         beside = tuple(n for n in (number - 1, number + 1) if 1 <= n <= len(features))
-        placed.append(Placed(feature, frame, number, lean, beside))
+        placed.append(Placed(feature, frame, number, lean, beside, design.skin.length))
     return tuple(placed)
 
 
-def profiles(design: Design, symmetry: Symmetry) -> list[Feature]:
-    """Return each feature of the design, drawn once for each height. Raises InputError for one without a
-    shape."""
+def profiles(design: Design, radius: float, symmetry: Symmetry, column: Column = BAR) -> list[Feature]:
+    """Return each feature of the design on a base of a `radius` mm, drawn once for each height. Raises
+    InputError for one without a shape."""
     drawn: dict[float, Feature] = {}
     for number, height in enumerate(design.heights, 1):
         if height not in drawn:
             try:
-                drawn[height] = _profile(design, height, symmetry)
+                drawn[height] = replace(_profile(design, radius, height), symmetry=symmetry, column=column)
             except InputError as broken:
                 if not design.uneven:
                     raise
@@ -60,13 +62,11 @@ def profiles(design: Design, symmetry: Symmetry) -> list[Feature]:
     return [drawn[height] for height in design.heights]
 
 
-def _profile(design: Design, height: float, symmetry: Symmetry) -> Feature:
+def _profile(design: Design, radius: float, height: float) -> Feature:
     table = design.features
     if isinstance(table, Flat):
         raise ValueError("a flat skin has no profile")
-    # a pin stands on the plane that touches the base at its foot
-    base = math.inf if symmetry == "revolved" else design.skin.curvature_radius
-    half = _half_profile(table, base, height)
+    half = _half_profile(table, radius, height)
     return Feature(
         family=table.family,
         outline=tuple(_outline(table, half, height)),
@@ -78,7 +78,6 @@ def _profile(design: Design, height: float, symmetry: Symmetry) -> Feature:
         tip_fillet=table.tip_fillet,
         slot=design.slot,
         sensors=tuple(_sensors(design)),
-        symmetry=symmetry,
     )
 
 

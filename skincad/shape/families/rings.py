@@ -5,6 +5,9 @@ A ring is drawn as a ridge is, in the frame on the base circle at its radius, an
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 from skincad.inputs.design import Design
 from skincad.shape.families.ridges import in_a_row, without_fillets
 from skincad.shape.feature import Placed
@@ -18,4 +21,5 @@ def place(design: Design) -> tuple[Placed, ...]:
 
     Raises InputError where a ring has no shape, or neighbours no room.
     """
-    return in_a_row(design, "concentric")
+    rings = in_a_row(design, "concentric")
+    return tuple(replace(ring, long=2 * math.pi * ring.summit.x) for ring in rings)
