@@ -265,15 +265,14 @@ def _block(job: Job) -> _Block | None:
     sides = [segment.start.x for segment in skin.outline]  # of the first skin of a gang
     middle = (min(sides) + max(sides)) / 2 if isinstance(skin, Prism) else 0.0
     pixel = process.pixel if process.tool == "screen" else 0.0
-    pins = job.skin.symmetry == "revolved"
     grooves = tuple(
         (
-            (0.0 if pins else middle)
+            (0.0 if job.holes else middle)
             + job.skin.placed[ridge - 1].frame.at(0.0, job.skin.heights[ridge - 1]).x * grown,
             -high * grown,
             LEVEL_BAND + pixel * abs(math.tan(job.skin.lean(ridge))),
             polygon(hole_block(job.skin.placed[ridge - 1]), print_chord(job.design)) * grown
-            if pins
+            if job.holes
             else outline,
         )
         for ridge, high in enumerate(job.skin.crests, 1)

@@ -16,7 +16,6 @@ from skincad.fabrication.machine_rules import LAYER_RULES, MACHINE_RULES, TOOL_R
 from skincad.fabrication.rules import EDGE_RULES, RULES, Case, Finding, error, note, warning
 from skincad.fabrication.strips import shim_findings
 from skincad.inputs.design import Design
-from skincad.inputs.feature_tables import Flat
 from skincad.inputs.gripper import gripper_named
 from skincad.inputs.material import foreign_modulus
 from skincad.shape.skin import VISIBLE, skin_of
@@ -156,19 +155,13 @@ def freeing_widths(job: Job) -> tuple[float | None, float | None]:
     root = ridge.root_width
     for _ in range(_ROUNDS):
         root = ridge.tip_width + draft(root)
-    root_key, tip_key = _width_keys(job)
+    root_key, tip_key = job.design.features.widths
     changes = {root_key: root, tip_key: ridge.root_width - draft(ridge.root_width)}
     widths = []
     for key, value in changes.items():
         size = math.ceil(value * 1000) / 1000 if key == root_key else math.floor(value * 1000) / 1000
         widths.append(size if size > 0 and _leaves_freely(job, key, size) else None)
     return widths[0], widths[1]
-
-
-def _width_keys(job: Job) -> tuple[str, str]:
-    """The family's keys of a feature's widths at root and tip."""
-    table = job.design.features
-    return ("", "") if isinstance(table, Flat) else table.widths
 
 
 def least_drafted_ridge(job: Job) -> int:
@@ -204,9 +197,8 @@ def undercut_findings(job: Job) -> list[Finding]:
     breaks = f"{SAFE_SHARE:g} of {material.name}'s {most:.0f} % elongation at break"
     cure = _cure(job)
     alike: dict[object, list[int]] = {}
-    pins = job.skin.symmetry == "revolved"
-    for number in sorted(caught, key=lambda n: -caught[n].strain) if pins else caught:
-        alike.setdefault(caught[number].strain > limit if pins else number, []).append(number)
+    for number in sorted(caught, key=lambda n: -caught[n].strain) if job.holes else caught:
+        alike.setdefault(caught[number].strain > limit if job.holes else number, []).append(number)
     findings = []
     for first, *others in alike.values():
         undercut, more = caught[first], f" and {len(others)} more, less" if others else ""
@@ -220,7 +212,7 @@ def undercut_findings(job: Job) -> list[Finding]:
 def _cure(job: Job) -> str:
     root, tip = freeing_widths(job)
     ridges, name = job.skin.symmetry == "extruded", job.skin.family
-    root_key, tip_key = _width_keys(job)
+    root_key, tip_key = job.design.features.widths
     ways = [
         *([f"{root_key} of {root:g} mm"] if root else []),
         *([f"{tip_key} of {tip:g} mm"] if tip else []),

@@ -66,9 +66,14 @@ class Job:
         return parts_at_tips(self.cast)
 
     @property
+    def holes(self) -> bool:
+        """Whether pins are cast: the cavity has holes."""
+        return self.skin.symmetry == "revolved"
+
+    @property
     def blind(self) -> bool:
         """Whether the cavity has blind holes, pins', which a rising front would leave full of air."""
-        return self.skin.symmetry == "revolved" and not self.tips
+        return self.holes and not self.tips
 
     @property
     def split(self) -> bool:

@@ -338,7 +338,7 @@ def _deepest_holes(case: Case) -> list[Loop]:
     skin = case.job.skin
     cup = next((s for s in skin.profile.outline if s.kind == "crown"), None)
     through = cup and case.job.closed.of(PartRole.BASE) and cup.radius >= case.process.reach
-    if skin.symmetry != "revolved" or through:  # of a hole that goes through, the cup alone has a bottom
+    if not case.job.holes or through:  # of a hole that goes through, the cup alone has a bottom
         return []
     worst = (
         max(skin.placed, key=lambda p: p.feature.height),
@@ -357,7 +357,7 @@ def _in_grooves(case: Case, depths: list[tuple[float, Segment]]) -> Iterator[Fin
     skin = case.job.skin
     place = f"{worst.kind.replace('_', ' ')} of {skin.named(worst.feature or 1)}{others}"
     reach, ridge = case.process.reach, skin.profile
-    tip_key = "tip_diameter" if skin.symmetry == "revolved" else "tip_width"
+    _, tip_key = case.job.design.features.widths
     remedy = f"a tip_fillet of {reach:g} mm, the tool's radius"
     if ridge.tip_width < 2 * reach:
         remedy = f"a {tip_key} above {2 * reach:g} mm and a tip_fillet of {reach:g} mm"
@@ -411,7 +411,7 @@ def _depth(case: Case) -> Iterator[Finding]:
 def _straight_cut(case: Case) -> Iterator[Finding]:
     """A wire is straight: it cuts no trough that is bent along it, or turns. A lathe turns a round cavity."""
     disc = case.part.role is PartRole.CAVITY and case.job.closed.of(PartRole.BLOCK)
-    if case.process.tool == "lathe" and (not disc or case.job.skin.symmetry == "revolved"):
+    if case.process.tool == "lathe" and (not disc or case.job.holes):
         remedy = (
             "mill or print it: the cavity of a round skin without pins is turned, with a mold.block_process"
         )
@@ -425,7 +425,7 @@ def _straight_cut(case: Case) -> Iterator[Finding]:
         remedy = "mill, sink-erode or print it, or drop skin.curvature_radius_y"
         yield case.breaks("tool reach", "bent along y", angle, 0.0, "deg end to end", remedy)
     skin = case.job.skin
-    if case.process.tool == "wire" and case.part.role in CAVITIES and skin.symmetry == "revolved":
+    if case.process.tool == "wire" and case.part.role in CAVITIES and case.job.holes:
         where = f"{case.part.role.label}, blind holes of {skin.counted}, by {case.name}"
         remedy = "mill, sink-erode or print it: a wire goes through"
         yield error("tool reach", where, float(skin.count), 0.0, "holes", remedy)

@@ -156,7 +156,7 @@ def what_matters(job: Job, part: Part, drops: Drops) -> list[str]:
     else:  # a carrier's to its seat
         drawn = mold.clearance
         play = drawn - walls_close(job, job.cavity_process) - walls_close(job, process)
-    hollows = {"revolved": "holes, ", "none": ""}.get(job.skin.symmetry, "grooves, ")
+    hollows = "" if job.skin.bare else "holes, " if job.holes else "grooves, "
     faces = ACCURATE.get(part.role, f"seat, trough, {hollows}both ends and the top")
     if not job.ends:
         faces = faces.replace("length and width", "diameter").replace(", both ends", "")

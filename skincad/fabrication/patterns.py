@@ -32,7 +32,7 @@ from skincad.fabrication.electrodes import (
 )
 from skincad.fabrication.job import Job
 from skincad.fabrication.papers import macro
-from skincad.fabrication.strips import lap
+from skincad.fabrication.strips import edge_strain, lap
 from skincad.inputs.design import Design
 from skincad.inputs.skin_tables import Film
 from skincad.shape.curves import Loop, Point, Segment, area, rectangle
@@ -183,9 +183,7 @@ def strip_patterns(job: Job) -> list[StripPattern]:
 
 def pattern_notes(job: Job) -> list[str]:
     """Return what is written under the pattern; call it where there is film."""
-    slot, radius = job.skin.slot, job.design.skin.curvature_radius_y
-    strain = 0.0 if radius is None or slot is None else slot.depth / 2 / radius  # of a strip's edges
-    return pattern_words("strips", job=job, strain=strain)
+    return pattern_words("strips", job=job, strain=edge_strain(job))
 
 
 def row_height(job: Job) -> float:
@@ -196,9 +194,8 @@ def row_height(job: Job) -> float:
 
 def _pattern(design: Design, film: Film, slot: SensorPlace, middle: float) -> StripPattern:
     """One strip about z = `middle`, drawn with its wiring side at +x and mirrored where that is end a."""
-    half, h, radius = design.skin.length / 2, slot.depth / 2, design.skin.curvature_radius_y
-    if radius is not None:  # the slot's arc along y
-        half *= 1 + (slot.centre.z - design.skin.thickness) / radius
+    arc = 1 + (slot.centre.z - design.skin.thickness) / design.skin.radius_y  # the slot's along y
+    half, h = arc * design.skin.length / 2, slot.depth / 2
     wired_a, cast_in = film.wiring_side == "a", design.mold.method == "cast-in"
     a, b = strip_overhangs(design)
     wired, other = (half + a, half + b) if wired_a else (half + b, half + a)
@@ -340,10 +337,9 @@ def arc_length(closed: ClosedMold) -> float:
 def arc_radius(job: Job, ridge: int, side: str) -> float:
     """Return the radius of a slot's shim laid flat, mm: it is a part of a cone whose lines run along its
     depth, so the distance along them from the axis to the middle of the depth."""
-    poured_design = job.cast
-    slot = next(s for s in section(poured_design).slots if (s.feature, s.side) == (ridge, side))
-    radius = poured_design.skin.curvature_radius_y or math.inf
-    return (radius - poured_design.skin.thickness + slot.centre.z) / abs(slot.direction.z)
+    base = job.cast.skin
+    slot = next(s for s in section(job.cast).slots if (s.feature, s.side) == (ridge, side))
+    return (base.radius_y - base.thickness + slot.centre.z) / abs(slot.direction.z)
 
 
 def shim_length(job: Job) -> int:

@@ -520,11 +520,13 @@ def shim_findings(job: Job) -> list[Finding]:
     return [*findings, warning("slender", where, sag, limit, "mm", remedy)]
 
 
+def edge_strain(job: Job) -> float:
+    """Return the strain that a strip takes, bent on edge into its slot's arc: half its depth by the arc's
+    radius. 0 where slots are straight, and without any."""
+    return job.skin.slot.depth / 2 / job.design.skin.radius_y if job.skin.slot else 0.0
+
+
 def shim_bend(job: Job) -> float:
-    """Return the strain that a straight shim would take, bent on edge into its slot's arc: half its depth by
-    the arc's radius. 0 where slots are straight."""
-    slot = job.skin.slot
-    radius = job.design.skin.curvature_radius_y
-    if slot is None or radius is None or job.design.mold.method != "shim":
-        return 0.0
-    return slot.depth / 2 / radius
+    """Return the strain that a straight shim would take, bent on edge into its slot's arc; 0 without
+    shims."""
+    return edge_strain(job) if job.design.mold.method == "shim" else 0.0

@@ -251,6 +251,7 @@ class Flat(Table):
     """No features: the base alone touches, over pockets in a square pattern if it has any."""
 
     family: ClassVar[str] = "flat"
+    widths: ClassVar[tuple[str, str]] = "", ""
 
     columns: int = quantity("1", "pockets along x", ge=1, le=50, default=1)
     rows: int = quantity("1", "pockets along y", ge=1, le=50, default=1)

@@ -66,6 +66,11 @@ class Base(Table):
         return self.outline == "round"
 
     @property
+    def radius_y(self) -> float:
+        """The second curvature's radius, mm; infinite where the skin is straight along y."""
+        return math.inf if self.curvature_radius_y is None else self.curvature_radius_y
+
+    @property
     def area(self) -> float:
         """Area of its outline, mm2."""
         return self.width * self.length * (math.pi / 4 if self.round else 1)

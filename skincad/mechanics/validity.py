@@ -169,9 +169,7 @@ def _largest(design: Design, answer: Shares) -> float:
     """The most loaded feature's force, N, of rings scaled to ring 1's area; of a skin curved along y what it
     were with the middle's force per length all along."""
     first, placed = skin_of(design).placed[0].area, skin_of(design).placed
-    forces = [
-        (force.value or 0.0) * (first / placed[i].area) for i, force in enumerate(answer.ridge_force)
-    ]
+    forces = [(force.value or 0.0) * (first / placed[i].area) for i, force in enumerate(answer.ridge_force)]
     return max(forces) * peak(design, answer.approach.value or 0.0)
 
 

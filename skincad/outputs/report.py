@@ -35,7 +35,7 @@ from skincad.outputs.calculations import (
 from skincad.outputs.figures.canvas import Picture, png, svg
 from skincad.outputs.figures.results import gain_figure, models_figure, ridge_force_figure, sensitivity_figure
 from skincad.outputs.pages import data_url, document, html, markdown_html
-from skincad.scenes.scene import PIN_EFFECTS, Scene, load_scene
+from skincad.scenes.scene import Scene, load_scene
 from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
@@ -102,10 +102,15 @@ def _svg_url(drawn: Picture) -> str:
     return data_url(svg(drawn), "image/svg+xml")
 
 
+def _skin_of(scene: str) -> dict[str, Any]:
+    """The design's data that a scene's template names."""
+    return read_table(read_table(scene, "scenes")["skin"], "designs")
+
+
 def suggested_scene(design: Design) -> str | None:
     """Return the name of a scene that this skin can take, with signals in volts if there is one."""
     skin = skin_of(design)
-    names = template_names("scenes") if skin.symmetry in ("extruded", "revolved") else []
+    names = [name for name in template_names("scenes") if skin.family in _skin_of(name)]
     for wanted in ("piezo", "film", "friction"):
         for name in names:
             data = read_table(name, "scenes")
@@ -117,7 +122,6 @@ def suggested_scene(design: Design) -> str | None:
             if (
                 wanted in effects
                 and films_suffice
-                and (skin.symmetry == "revolved") == (set(effects) <= set(PIN_EFFECTS))
                 and max(ridges, default=0) <= skin.count
                 and force <= skin.count * limits(design).largest
             ):

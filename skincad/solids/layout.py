@@ -390,8 +390,7 @@ def _under_pieces(nut: float, high: float) -> tuple[float, float]:
 
 def end_angle(design: Design) -> float:
     """Return the angle by which an end plate of a doubly curved mold leans, rad; 0 where it is upright."""
-    radius = design.skin.curvature_radius_y
-    return 0.0 if radius is None else design.skin.length / 2 / radius
+    return design.skin.length / 2 / design.skin.radius_y
 
 
 def bevel(design: Design) -> float:

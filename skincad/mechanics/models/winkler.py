@@ -243,7 +243,7 @@ def _crest_arms(design: Design) -> Array:
     skin, height = design.skin, np.array(skin_of(design).heights)
     lean = np.array(skin_of(design).leans)
     fall = 2 * (skin.curvature_radius + height) * np.sin(lean / 2) ** 2
-    return np.asarray((skin.curvature_radius_y or math.inf) + height - fall)
+    return np.asarray(skin.radius_y + height - fall)
 
 
 def _contact_angles(design: Design, depth: Array) -> Array:
@@ -254,7 +254,7 @@ def _contact_angles(design: Design, depth: Array) -> Array:
 
 def _end_angle(design: Design) -> float:
     """Angle, rad, from a curved skin's middle to its end."""
-    return design.skin.length / 2 / (design.skin.curvature_radius_y or math.inf)
+    return design.skin.length / 2 / design.skin.radius_y
 
 
 def _approach(design: Design, force: float, factor: float = 1.0) -> float:
