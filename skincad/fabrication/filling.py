@@ -104,7 +104,7 @@ class Void:
 def void(job: Job) -> Void:
     """Return what the silicone fills in a mold of one skin: skin, gate, the carrier's holes and vent, the gap
     round the carrier, bleeds and the reservoir in the cover. A gate stays shut by its syringe; bleeds are
-    taped when full."""
+    taped when full. Of a skin in layers it is the gate of the last pour."""
     closed = job.single.closed
     carrier, cover = closed.first(PartRole.CARRIER), closed.first(PartRole.COVER)
     top = cover.body.high if isinstance(cover.body, Prism) else math.inf
@@ -112,7 +112,7 @@ def void(job: Job) -> Void:
     over = bores(cover, *open_over)
     through = [bore for part in closed.of(PartRole.SEAL) for bore in bores(part, *open_over)]
     rivets = enumerate(bores(carrier, CutRole.RIVET), 1)
-    plates = [cut for part in closed.of(*END_PLATES) for cut in part.cuts]
+    gates = [cut for part in closed.of(*END_PLATES) for cut in part.cuts if cut.role is CutRole.GATE]
     spaces = [
         Space("skin", closed.first(PartRole.SKIN).body, PartRole.SKIN),
         *(Space("vent", bore, PartRole.CARRIER) for bore in bores(carrier, CutRole.VENT)),
@@ -120,7 +120,7 @@ def void(job: Job) -> Void:
         *(Space("gap round the carrier", ring, PartRole.CARRIER) for ring in _gap(job.cast, carrier.body)),
         *(Space("seal", bore, PartRole.COVER) for bore in through),
         *(Space("cover", bore, PartRole.COVER, top) for bore in over),
-        *(Space("gate", cut, PartRole.END_PLATE) for cut in plates if cut.role is CutRole.GATE),
+        *(Space("gate", gate, PartRole.END_PLATE) for gate in gates[:1]),
     ]
     return Void(tuple(spaces), _rim(over[0]))
 
@@ -449,8 +449,10 @@ def filling_findings(job: Job) -> list[Finding]:
 
 def _bent_findings(job: Job) -> list[Finding]:
     """Both ends of a doubly curved skin rise, by the angle that they lean. What stays at an end is judged on
-    the straight mold of the section at that end's slope: a pocket is short against curvature_radius_y."""
-    straight = Job(job.design.with_(skin={"curvature_radius_y": None}))
+    the straight mold of the section at that end's slope: a pocket is short against curvature_radius_y. It has
+    one layer and no bone: what ridges trap is in front, and a plug leads air along as the carrier does."""
+    bare = dict.fromkeys(("bone", "bone_at", "bone_turn", "bone_bond"))
+    straight = Job(job.design.with_(skin={"curvature_radius_y": None}, shot=None, mold=bare))
     rise, tilt = math.degrees(end_angle(job.design)), job.design.mold.pour_tilt
     remedy, findings = PRESSURE_REMEDY, []
     if tilt <= rise:

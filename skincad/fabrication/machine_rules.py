@@ -47,6 +47,8 @@ from skincad.solids.plan import (
     Part,
     PartRole,
     Prism,
+    RevolvedBody,
+    TurnedBody,
     plain,
     unturned,
 )
@@ -218,8 +220,15 @@ def extent(part: Part) -> tuple[float, float, float]:
         low, top = (
             (body.low, body.high) if body.axis == "z" else (float(flat[:, 1].min()), float(flat[:, 1].max()))
         )
-        z = top - min(low, *(added.origin[2] - max(s.end.z for s in added.outline) for added in part.adds))
+        z = top - min(low, *(_lowest(added) for added in part.adds))
     return x, y, z
+
+
+def _lowest(added: TurnedBody | RevolvedBody) -> float:
+    """How low what is added under a plug reaches in its middle, mm."""
+    if isinstance(added, RevolvedBody):
+        return float(polygon(added.outline, PIXEL_CHORD)[:, 1].min())
+    return added.origin[2] - max(s.end.z for s in added.outline)
 
 
 def _sides(part: Part, process: Process) -> list[tuple[float, float]]:

@@ -19,6 +19,7 @@ from skincad.fabrication.meshes import FINER, manifold
 from skincad.fabrication.meshes import mesh as mesh_of
 from skincad.fabrication.rules import Finding, error
 from skincad.shape.curves import polygon
+from skincad.solids.bone import BENT_SLACK
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import (
     PINS,
@@ -26,6 +27,7 @@ from skincad.solids.plan import (
     Bore,
     CutRole,
     ExtendedCut,
+    GivenBody,
     Part,
     PartRole,
     Prism,
@@ -231,10 +233,12 @@ class _Shape:
 _Box = tuple[Array, Array]
 
 
-def _box_of(bodies: tuple[TurnedBody, ...]) -> _Box:
-    """A box round turned bodies, `(3,)` mm each; of none it holds nothing."""
+def _box_of(bodies: tuple[TurnedBody | RevolvedBody, ...]) -> _Box:
+    """A box round turned bodies, `(3,)` mm each; of none it holds nothing, of any about x everything."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for body in bodies:
+        if isinstance(body, RevolvedBody):
+            return np.full(3, -np.inf), np.full(3, np.inf)
         wide = max(s.start.x for s in body.outline) + max(abs(s.bulge) * s.chord for s in body.outline)
         for s in body.outline:
             middle = np.array(body.origin) + s.start.z * np.array(body.direction)
@@ -288,7 +292,7 @@ def _without_pins(shape: _Shape, other: _Shape) -> _Shape:
     if adds and adds <= cuts.keys():
         return shape.bare
     if other.part.adds and (own := _turned_cuts(shape.part)).keys() >= frozenset(other.part.adds):
-        filled = {own[body] for body in other.part.adds}
+        filled = {own[body] for body in other.part.adds if isinstance(body, TurnedBody)}
         part = replace(shape.part, cuts=tuple(cut for cut in shape.part.cuts if cut not in filled))
     else:
         return shape
@@ -301,7 +305,13 @@ def _turned_cuts(part: Part) -> dict[TurnedBody, TurnedBody]:
 
 
 def _pressed(shape: _Shape, other: _Shape) -> _Shape:
-    """A pin as it is in a part that it is pressed into, whose hole is smaller; any other shape as it is."""
+    """A pin as it is in a part that it is pressed into, whose hole is smaller; a bone lower under a
+    bent carrier, on whose arc it lies within its own chords; any other shape as it is."""
+    given, roof = shape.part.body, other.part.body
+    if isinstance(given, GivenBody) and isinstance(roof, Prism) and roof.grid:
+        low = given.pose[11] - max(2 * shape.tolerance, BENT_SLACK)
+        lower = replace(given, pose=(*given.pose[:11], low))
+        return _Shape(replace(shape.part, body=lower), shape.tolerance)
     roles = PINNED if shape.part.role in PINS else (CutRole.CORE,)
     body, pin = shape.part.body, plain(shape.part.body)
     if shape.part.role not in (*PINS, PartRole.CORE_PIN) or not isinstance(pin, Bore):

@@ -39,6 +39,7 @@ FINER = 10.0  # the mesh that a print mesh is measured against has chords this m
 _Y_IS_THIRD = np.array([0, 2, 1])  # order of (u, v, along) for a prism along y
 _X_IS_THIRD = np.array([2, 0, 1])
 SLIVER = 5e-6  # mm, what single precision keeps of 60 mm: a lower triangle has no area in an STL
+BOTH = 0.7  # of a chord's tolerance, where two meet
 PART_GAP = 5.0  # mm, assumption: between parts on a plate
 
 
@@ -50,8 +51,10 @@ def asked_chord(design: Design) -> float:
 
 
 def print_chord(design: Design) -> float:
-    """Return the chord tolerance of the print meshes, mm: the reference mesh's own error is added to it."""
-    return asked_chord(design) / (1 + 1 / FINER)
+    """Return the chord tolerance of the print meshes, mm: the reference mesh's own error is added to it, and
+    where a pocket meets an arc along y both chords add up."""
+    meet = design.features.pocket is not None and math.isfinite(design.skin.radius_y)
+    return (BOTH if meet else 1.0) * asked_chord(design) / (1 + 1 / FINER)
 
 
 def manifold(part: Part, tolerance: float) -> Manifold:
@@ -59,10 +62,20 @@ def manifold(part: Part, tolerance: float) -> Manifold:
     if isinstance(part.body, RotatedBody):
         return _placed(manifold(unturned(part), tolerance), part.body)
     cuts = [_body(cut, tolerance) for cut in part.cuts]
+    if isinstance(part.body, RevolvedBody):
+        cuts += _open_backs(part, part.body.centre, tolerance)
     body = _body(part.body, tolerance)
     if part.adds:
         body = Manifold.batch_boolean([body, *(_body(one, tolerance) for one in part.adds)], OpType.Add)
     return body - Manifold.batch_boolean(cuts, OpType.Add) if cuts else body  # cuts may touch on a face
+
+
+def _open_backs(part: Part, centre: float, tolerance: float) -> list[Manifold]:
+    """Bones that are cut from a bent skin, once more and further out at its back: their own chords along its
+    arc would leave films there. Half of the tolerance is the arc's, a quarter theirs."""
+    out = math.copysign(0.75 * tolerance, centre)
+    bones = (_given(cut, tolerance / 4) for cut in part.cuts if isinstance(cut, GivenBody))
+    return [bone.translate((0.0, 0.0, shift)) for bone in bones for shift in (0.0, out)]
 
 
 def mesh(part: Part, tolerance: float) -> trimesh.Trimesh:

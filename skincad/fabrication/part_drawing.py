@@ -45,7 +45,7 @@ from skincad.inputs.feature_tables import Pin
 from skincad.shape.skin import Skin
 from skincad.solids.fasteners import METRIC
 from skincad.solids.inserts import PIN_RADIUS
-from skincad.solids.plan import CAVITIES, CutRole, Part, PartRole, Prism, TurnedBody
+from skincad.solids.plan import CAVITIES, CutRole, Part, PartRole, Prism, RevolvedBody, TurnedBody
 from skincad.solids.projection import Projection, Stroke, outlined
 
 if TYPE_CHECKING:
@@ -123,6 +123,8 @@ def _pegs(part: Part) -> list[tuple[float, float, float, list[str]]]:
     """A plug's pegs, by their lengths: neck, head and length, mm, and places from its middle."""
     by: dict[tuple[float, float, float], list[str]] = {}
     for body in part.adds:
+        if isinstance(body, RevolvedBody):
+            continue
         wide = sorted({round(s.end.x, 3) for s in body.outline if s.end.x > 0.0})
         if len(wide) == 2 and body.origin[:2] != (0.0, 0.0):  # else it is a round plug's middle
             key = 2 * wide[0], 2 * wide[1], max(s.end.z for s in body.outline)

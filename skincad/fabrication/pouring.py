@@ -21,6 +21,7 @@ from skincad.fabrication.filling import void
 from skincad.fabrication.job import Job
 from skincad.fabrication.rules import Finding, error, note, warning
 from skincad.fabrication.strips import pour
+from skincad.inputs.guards import face_heights
 from skincad.inputs.material import layers
 from skincad.inputs.silicone import Silicone
 from skincad.shape.shots import face
@@ -146,6 +147,7 @@ def pours(job: Job) -> list[LayerPour]:
     count, whole = len(shots), job.closed.first(PartRole.SKIN).volume
     below = [0.0, *(room(design, number).volume for number in range(1, count + 1)), whole]
     taken, found = poured_volume(job), list[LayerPour]()
+    gates = [space.body for space in void(job).spaces if space.name == "gate"]  # each pour's own is as large
     for front in range(count, -1, -1):  # the layer between the faces of the shots `front` and `front + 1`
         number = 0 if front == count else front + 1
         volume = skins * (below[front + 1] - below[front])
@@ -157,7 +159,7 @@ def pours(job: Job) -> list[LayerPour]:
             filled += taken - skins * whole
         elif plug:
             vents, lid = bores(job.closed.part(plug), CutRole.VENT), job.closed.first(PartRole.COVER)
-            filled += skins * math.fsum(bore.volume for bore in vents)
+            filled += skins * math.fsum(bore.volume for bore in (*vents, *gates))
             filled += math.fsum(bore.volume for bore in bores(lid, CutRole.RESERVOIR))
         level = face(design, front, design.skin.width / 2)[0].start.z if wet else None
         stuff = job.silicone if number == 0 else stuffs[number - 1]
@@ -234,24 +236,32 @@ def filling(job: Job) -> Filling:
     seconds = max(level, 0.0 if brushed else groove / LAG, job.design.mold.fill_time)
     if job.gate is None:
         return Filling(_rounded(seconds), 0, 0, 0.0, brushed)
-    volume = poured_volume(job) / 1000
+    made = pours(job)
+    volume = max(one.filled for one in made) / 1000
     size = next((ml for ml in SYRINGES if ml >= volume), max(SYRINGES))
     # N s, the thumb's force times the time of filling: the force falls as the time grows
-    work = press(job.silicone.viscosity, poured_volume(job), job.gate, SYRINGES[size])
+    work = max(press(one.silicone.viscosity, one.filled, job.gate, SYRINGES[size]) for one in made)
     seconds = _rounded(max(seconds, work / THUMB))
     return Filling(seconds, size, math.ceil(volume / size), work / seconds, brushed)
 
 
 def front_time(job: Job) -> float:
     """Return the least time in which a front keeps its slope along the skin, s."""
-    return filling_time(job.design)
+    return filling_time(job.design) * (job.design.skin.thickness / _depth(job)) ** 2
+
+
+def _depth(job: Job) -> float:
+    """How deep the silicone is that comes over the features first, mm: of layers that are pressed in through
+    gates it is the layer in front."""
+    skin, shots = job.design.skin, job.design.shot
+    return skin.thickness - (face_heights(skin, shots[-1])[0] if shots and job.gate else 0.0)
 
 
 def groove_time(job: Job) -> float:
     """Return the time in which the deepest groove fills through its narrowest passage, s."""
     flow, skin = pour(job), job.skin
     narrow = skin.profile.mean_width if flow is None else min(flow.beside, skin.profile.mean_width)
-    head = job.silicone.density * GRAVITY * 1e-3 * job.design.skin.thickness
+    head = job.silicone.density * GRAVITY * 1e-3 * _depth(job)
     return 6 * job.silicone.viscosity * (max(skin.heights) / narrow) ** 2 / head
 
 
@@ -306,7 +316,7 @@ def timeline(job: Job, layer: LayerPour) -> list[TimedStep]:
         return TimedStep(step, minutes, number)
 
     screws = cover_screws(job)
-    ends = [task("ends", 2 * END_MIN + SCREW_MIN * end_screws(job).pieces)] * (first and job.ends)
+    ends = [task("ends", 2 * END_MIN + SCREW_MIN * end_screws(job).pieces)] * (first or job.bent) * job.ends
     lid = task("lid", LID_MIN + SCREW_MIN * (screws.pieces if screws else 2))
     hold = [task("hold", LAY_MIN)] * bool(job.bone and job.bone.printed and group[-1] == made[-1])
     closing = [task("carrier", LAY_MIN), lid, *hold]
@@ -316,18 +326,19 @@ def timeline(job: Job, layer: LayerPour) -> list[TimedStep]:
     front = [task("brush", brushing)] * bool(brushing)
     front += [task("vacuum", PUMP_MIN + DEGAS_MIN)] * (first and open_back(job))
     usual = job.design.mold.fill_time
-    fills = [task("pour", (how.seconds if each == made[0] else usual) / 60, each.number) for each in group]
+    timed = [how.seconds if by_gate or each == made[0] else usual for each in group]
+    fills = [task("pour", seconds / 60, each.number) for each, seconds in zip(group, timed, strict=True)]
     if not by_gate:
         return [*ends, *mixes, *front, *fills, *closing]
     fills = [task("syringe", SYRINGE_MIN * how.fills), *fills]
-    if not mixed_first(job):
+    if not mixed_first(job, group[0]):
         return [*ends, *closing, *mixes, *front, *fills]
     return [*([] if job.bent else ends), *mixes, *front, *(ends if job.bent else []), *closing, *fills]
 
 
-def mixed_first(job: Job) -> bool:
+def mixed_first(job: Job, layer: LayerPour) -> bool:
     """Whether silicone is mixed before a mold with a gate is closed, to be brushed in where no front goes."""
-    return filling(job).brushed or (job.bone is not None and job.design.mold.bone_bond == "rivets")
+    return (filling(job).brushed and layer == pours(job)[0]) or brushed_holes(job, layer)
 
 
 def brushed_holes(job: Job, layer: LayerPour) -> bool:

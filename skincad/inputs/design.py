@@ -16,6 +16,7 @@ from skincad.inputs.feature_tables import (
     FAMILY_TABLES,
     Features,
     Flat,
+    Magnetometer,
     Pin,
     Ridge,
     Ring,
@@ -63,6 +64,7 @@ class Design(Document):
     mold: Mold = Mold(process="sla")
     mount: Mount | None = None
     contact: Contact = Contact()
+    magnetometer: Magnetometer | None = None
     printer: dict[str, Process] | None = Field(
         default=None, description="a workshop's own processes, [printer.sla] as in a printer.toml"
     )
@@ -100,6 +102,7 @@ class Design(Document):
             guards.strips(skin, slot, film, mold),
             guards.bond(self.contact, film),
             guards.shots(skin, self.shot or (), self.silicones or {}),
+            guards.magnets(skin, self.features, self.magnetometer),
         )
         if broken := [error for check in checks for error in check]:
             raise together(broken)
@@ -137,6 +140,14 @@ class Design(Document):
     def count(self) -> int:
         """How many features there are; a flat skin counts as one."""
         return count_of(self.skin, self.features)
+
+    @property
+    def on_magnets(self) -> bool:
+        """Whether its pins stand on magnets on their axes, over a back that is flat: their pockets are full
+        then, and what is in them is known."""
+        pocket = None if self.pin is None else self.pin.pocket
+        known = pocket is not None and pocket.magnet is not None and not pocket.offset
+        return known and self.skin.curvature_radius_y is None
 
     @property
     def spacing(self) -> float:

@@ -144,12 +144,122 @@ class Ring(Ridge):
         return self.spacing / 2 if self.radius is None else self.radius
 
 
+# T, low and high, of sintered neodymium; source: magnetexpert.com, magnetic properties of neodymium magnets
+# (read in November 2026)
+GRADES = {
+    "N35": (1.17, 1.22),
+    "N38": (1.22, 1.25),
+    "N40": (1.25, 1.28),
+    "N42": (1.28, 1.32),
+    "N45": (1.32, 1.38),
+    "N48": (1.38, 1.42),
+    "N50": (1.40, 1.45),
+    "N52": (1.43, 1.48),
+}
+NORTH = {"up": (0.0, 0.0, 1.0), "down": (0.0, 0.0, -1.0), "x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0)}
+_Remanence = Annotated[float, Field(gt=0.0, le=2.0)]
+
+
+class Magnet(Table):
+    """A cylinder magnet upright in a pocket, pushed in till the pocket's end, or till `gap` before it; the
+    rest of the pocket behind it is capped with silicone."""
+
+    diameter: float = quantity("mm", "of the magnet; a pocket 0.1 to 0.2 mm narrower grips it", ge=0.2, le=50)
+    length: float = quantity("mm", "along the pocket", ge=0.1, le=100.0)
+    grade: Literal["N35", "N38", "N40", "N42", "N45", "N48", "N50", "N52"] | None = Field(
+        default=None, description="of sintered neodymium, from which the remanence and its range follow"
+    )
+    remanence: Annotated[tuple[_Remanence, _Remanence], _List] | None = Field(
+        default=None,
+        description="low and high, in the place of a grade: of ferrite about 0.4, of a rubber magnet 0.2",
+        json_schema_extra={"unit": "T"},
+    )
+    north: Literal["up", "down", "x", "y"] = Field(
+        default="up",
+        description="where its north pole looks: up to the face, down to the back, or across along x or y",
+    )
+    gap: float = quantity("mm", "of silicone between it and the pocket's end", ge=0.0, le=50.0, default=0.0)
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Smallest and largest remanence, T."""
+        return GRADES[self.grade] if self.grade else self.remanence or (0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _graded(self) -> Self:
+        if (self.grade is None) == (self.remanence is None):
+            words = "is missing" if self.grade is None else "must not be given beside remanence"
+            raise InputError("grade", words, self.grade, "give a grade, as N42, or remanence = [low, high]")
+        if self.remanence and self.remanence[0] > self.remanence[1]:
+            raise InputError("remanence", "needs low <= high", self.remanence, "give the lower one first")
+        return self
+
+
 class Pocket(Table):
     """A round hole from the skin's back for a magnet, a marker or an electrode, kept free by a core pin."""
 
     diameter: float = quantity("mm", "of the hole", ge=0.3, le=50.0)
-    depth: float = quantity("mm", "from the flat back", ge=0.2, le=100.0)
+    depth: float = quantity(
+        "mm", "from the flat back, or from the middle of one that is bent along y", ge=0.2, le=100.0
+    )
     offset: float = quantity("mm", "along x, from under the feature's summit", ge=-50.0, le=50.0, default=0.0)
+    magnet: Magnet | None = None
+
+    @property
+    def magnet_span(self) -> tuple[float, float]:
+        """From where to where its magnet reaches over the flat back, mm; (0, 0) without one."""
+        if self.magnet is None:
+            return 0.0, 0.0
+        top = self.depth - self.magnet.gap
+        return top - self.magnet.length, top
+
+
+_Sensor = Annotated[
+    tuple[
+        Annotated[float, Field(ge=-1000.0, le=1000.0)],
+        Annotated[float, Field(ge=-1000.0, le=1000.0)],
+        Annotated[float, Field(gt=0.0, le=100.0)],
+    ],
+    _List,
+]
+
+
+class Magnetometer(Table):
+    """Sensors of the magnetic field along x, y and z under the skin, which read the magnets in its pins."""
+
+    below: float | None = quantity(
+        "mm", "under the flat back, of one sensor under each magnet", gt=0.0, le=100.0, default=None
+    )
+    places: Annotated[tuple[_Sensor, ...], _List] | None = Field(
+        default=None,
+        description="in the place of below: x, y and how far under the flat back, of each sensor",
+        min_length=1,
+        max_length=1000,
+        json_schema_extra={"unit": "mm"},
+    )
+    range: float = quantity(
+        "mT",
+        "largest field of each axis, either way: MLX90393 5 to 50 by its gain (data sheet rev. 3, 2017), "
+        "TLV493D 130 (rev. 1.1, 2019), MMC5983MA 0.8",
+        gt=0.0,
+        le=1e4,
+    )
+    noise: float = quantity("uT", "rms of a sample at its rate, by its filter", ge=0.0, le=1e5)
+    rate: float = quantity("Hz", "samples per second; the signals' band ends at half of it", gt=0.0, le=1e6)
+    resolution: float = quantity("uT", "of a sample's last digit; TLV493D 98", ge=0.0, le=1e5, default=0.0)
+
+    @property
+    def rms(self) -> float:
+        """Noise of a sample with its rounding, mT."""
+        return math.hypot(self.noise, self.resolution / math.sqrt(12)) / 1000
+
+    @model_validator(mode="after")
+    def _placed(self) -> Self:
+        if (self.below is None) == (self.places is None):
+            words = "is missing" if self.below is None else "must not be given beside places"
+            remedy = "give below, for a sensor under each magnet, or places"
+            raise InputError("below", words, self.below, remedy)
+        return self
 
 
 class Pin(Table):

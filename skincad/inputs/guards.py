@@ -7,7 +7,16 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 
 from skincad.base.errors import InputError, refusals
-from skincad.inputs.feature_tables import Features, Flat, Pin, Pocket, Ring, half_arcs, places
+from skincad.inputs.feature_tables import (
+    Features,
+    Flat,
+    Magnetometer,
+    Pin,
+    Pocket,
+    Ring,
+    half_arcs,
+    places,
+)
 from skincad.inputs.gripper import Gripper, check_grippers, gripper_named
 from skincad.inputs.mold_table import Mold, Mount
 from skincad.inputs.process import Process, check_named, check_own
@@ -166,10 +175,7 @@ def family(skin: Base, features: Features, slot: Slot | None) -> Iterator[InputE
             rule = "must not be given for a round skin, which curvature_radius curves all round"
             yield InputError("skin.curvature_radius_y", rule, skin.curvature_radius_y, "leave it out")
     pocket = features.pocket
-    if pocket is not None and skin.curvature_radius_y is not None:
-        rule = "must not be given with skin.curvature_radius_y, which bends the back that pockets start from"
-        yield InputError(f"{name}.pocket", rule, remedy="leave one of them out")
-    elif pocket is not None:
+    if pocket is not None:
         yield from _pockets(skin, features, pocket)
 
 
@@ -208,6 +214,47 @@ def _pockets(skin: Base, features: Features, pocket: Pocket) -> Iterator[InputEr
     if max(over) > -LEAST_POCKET_WALL:
         rule = f"must leave {LEAST_POCKET_WALL:g} mm to the skin's edge"
         yield InputError(f"{key}.diameter", rule, pocket.diameter, "make it narrower, or the skin larger")
+
+
+CAP = 0.2  # mm, assumption: least silicone behind a magnet that closes its pocket
+MOST_READ = 100_000  # pairs of a sensor and a magnet; a second or two
+
+
+def magnets(skin: Base, features: Features, sensors: Magnetometer | None) -> Iterator[InputError]:
+    """Yield a magnet that its pocket does not hold, and sensors that have nothing to read: those lie under
+    the flat back, so that none lies in a magnet."""
+    name, pocket = features.family, features.pocket
+    magnet = pocket and pocket.magnet
+    if pocket and magnet:
+        key = f"{name}.pocket.magnet"
+        if not pocket.diameter <= magnet.diameter <= pocket.diameter + LEAST_POCKET_WALL:
+            rule = f"must be from {pocket.diameter:g} to {pocket.diameter + LEAST_POCKET_WALL:.4g} mm, or "
+            rule += f"{name}.pocket.diameter does not grip it"
+            yield InputError(f"{key}.diameter", rule, magnet.diameter, "take another magnet or pocket")
+        most = pocket.depth - magnet.gap - CAP
+        if magnet.gap and most <= 0.0:
+            rule = f"must be less than {pocket.depth - CAP:.4g} mm, or {name}.pocket.depth leaves no room"
+            yield InputError(f"{key}.gap", rule, magnet.gap, "make it smaller, or the pocket deeper")
+        elif magnet.length > most + 1e-9:
+            rule = f"must be at most {most:.4g} mm, or {name}.pocket.depth leaves no {CAP:g} mm for a cap"
+            yield InputError(f"{key}.length", rule, magnet.length, "take a shorter one, or a deeper pocket")
+    if sensors is None:
+        return
+    if not isinstance(features, Pin) or magnet is None or pocket is None:
+        words = "reads magnets in pins, and there are none"
+        remedy = "give [pin.pocket.magnet]" if name == "pin" else "leave it out: only pins' magnets are known"
+        yield InputError("magnetometer", words, remedy=remedy)
+        return
+    if pocket.offset:
+        rule = "must be 0 beside [magnetometer]: a magnet's way is known on its pin's axis"
+        yield InputError("pin.pocket.offset", rule, pocket.offset, "leave it out")
+    if skin.curvature_radius_y is not None:
+        rule = "must not be given with [magnetometer], whose sensors lie under a flat back"
+        yield InputError("skin.curvature_radius_y", rule, skin.curvature_radius_y, "leave one of them out")
+    many = len(places(skin, features))
+    if many * (len(sensors.places) if sensors.places else many) > MOST_READ:
+        rule = f"must be at most {MOST_READ} pairs of a sensor and a magnet"
+        yield InputError("magnetometer", rule, remedy="take fewer sensors, or a part of the skin")
 
 
 def _sink(skin: Base, u: float, v: float, reach: float) -> float:

@@ -81,6 +81,11 @@ class Base(Table):
         return math.hypot(x, y) if self.round else abs(x)
 
     @property
+    def back_radius(self) -> float:
+        """Radius of the back's arc along y, mm; infinite where it is straight."""
+        return self.radius_y - self.thickness
+
+    @property
     def across(self) -> str:
         """Its width and length, or its diameter, mm, as words."""
         return f"Ø{self.width:g}" if self.round else f"{self.width:g} x {self.length:g}"

@@ -28,11 +28,20 @@ def face(design: Design, number: int, half: float) -> Loop:
 
 
 def heights(design: Design, number: int, x: Array, y: Array) -> Array:
-    """Return how high the face of shot `number` lies above the back at `x` and `y`, mm."""
+    """Return how high the face of shot `number`, or with 0 the back, lies at `x` and `y` above the back's
+    middle, mm."""
+    arm = design.skin.back_radius + (level := _level(design, number, x, y))
+    return np.asarray(level - y**2 / (arm + np.sqrt(arm**2 - y**2)))
+
+
+def _level(design: Design, number: int, x: Array, y: Array) -> Array:
+    """A face's height in the section, or, of a round skin, in that through the place."""
+    if number == 0:
+        return np.zeros_like(x)
     shot = (design.shot or ())[number - 1]
     middle, _ = face_heights(design.skin, shot)
     if shot.depth is None:
         return np.full_like(x, middle)
     radius = design.skin.curvature_radius - shot.depth
-    arm = np.hypot(x, y) if design.skin.round else np.abs(x)
-    return np.asarray(middle - 2 * radius * np.sin(np.arcsin(arm / radius) / 2) ** 2)
+    across = np.hypot(x, y) if design.skin.round else np.abs(x)
+    return np.asarray(middle - 2 * radius * np.sin(np.arcsin(across / radius) / 2) ** 2)

@@ -1,6 +1,6 @@
 r"""The mold of a doubly curved skin.
 
-    z up          axis x, at z = curvature_radius_y - thickness
+    z up          axis x, at z = back_radius
     ______________________________
     \\  |      cover, flat       |  /
      \\ |______________________| /     end plates lean inward at the top: their inner faces are the planes
@@ -20,6 +20,11 @@ lifted there. A shim is an arc, cut so from sheet, and is drawn out by turning i
 and carrier leave along z: a bowl is open above, so y holds nothing back while the ends lean by less than
 a right angle; in x each ridge's undercut is that of the section.
 
+A skin in layers has a gate for each. A plug has the carrier's body, and under it what turns about the axis as
+the skin does; before it is pulled, keepers are pushed up off their combs along the ends, and shims stay, or
+plain plates are taken off. Pockets are along z, from the back's arc up to one level. A bone's shoulder has to
+follow the arc, for it lies on the carrier.
+
 The bowl of a doubly curved mold in the plane (y, z): the back's arc, the ends' planes, what is between. The
 axis lies at y = 0 above; heights count from the back's middle, z = 0; angles from y = 0 towards +y.
 """
@@ -30,10 +35,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
+
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.shape.curves import Loop, Point, Segment, flipped
+from skincad.shape.curves import Loop, Point, Segment, area, flipped
 from skincad.shape.skin import Section, skin_of
+from skincad.solids.bone import bone_parts
 from skincad.solids.cavity import cavity, split_ridges
 from skincad.solids.ends import end_plates
 from skincad.solids.fasteners import WASHER, run_out_room, screw_for
@@ -50,9 +58,10 @@ from skincad.solids.layout import (
     seal_thickness,
     stack_error,
 )
-from skincad.solids.lids import LEAST_PULL, carrier, cover, cover_dowels, seal_sheet
+from skincad.solids.lids import LEAST_PULL, carrier, core_pins, cover, cover_dowels, seal_sheet
 from skincad.solids.plan import (
     ENDS,
+    Body,
     Bore,
     CutRole,
     End,
@@ -66,6 +75,7 @@ from skincad.solids.plan import (
     mirrored,
     turned,
 )
+from skincad.solids.shots import SUNK, Blank, plugs, straight_blank, under
 from skincad.solids.shrinkage import on_grid
 from skincad.solids.skin import cast_skin
 from skincad.solids.split import path
@@ -77,6 +87,7 @@ CUT_OVERRUN = 0.5  # mm, by which a cut is built further than what it takes away
 LEAST_THREAD = 3.0  # mm, assumption: one diameter of thread, and the shortest inserts
 TOP_EDGE = 0.5  # mm, assumption: least wall at the top between a bore and a leaning face; it widens downward
 BORE_OVERRUN = 0.2  # mm, by which a bore from the curved back begins below its rim
+KEY = "skin.curvature_radius_y"
 _FROM_ABOVE = (CutRole.COVER_THREAD, CutRole.COVER_PIN)
 
 
@@ -92,30 +103,48 @@ def bent_parts(design: Design, shape: Section, place: Layout) -> list[Part]:
         for part in end_plates(design, shape, place, end)
     ]
     pins = [_end_pin(design, place, grid, end, i) for i in (0, 1) for end in ENDS]
-    rest = [_carrier(design, lids, grid), cover(design, lids), *pins, *cover_dowels(design, lids)]
+    rest = [_carrier(design, lids, grid), *core_pins(design, lids), *bone_parts(design)]
+    rest += [cover(design, lids), *pins]
+    rest += cover_dowels(design, lids)
     rest += [seal_sheet(design, lids)] if lids.top > lids.back else []
     return [skin, _cavity(design, shape, place, lids, grid), *ends, *rest, *_shims(design, grid)]
 
 
+def bent_plugs(design: Design, shape: Section, place: Layout) -> list[list[Part]]:
+    """Return the plugs: the carrier's body, and under it what turns about the axis as the skin does."""
+    grid = _grid(design, shape)
+    lids, gap = _lids(design, place, grid), design.mold.clearance
+
+    def blank(design: Design, lids: Layout, number: int) -> Blank:
+        half = design.skin.width / 2 - gap
+        end = grid.half - math.asin((gap + SUNK / 10) / (grid.centre - SUNK))  # inside the plate, so sunk
+        outline = under(design, number, [Point(half, SUNK), Point(-half, SUNK)])
+        buried = half * SUNK * (2 * grid.centre - SUNK) * 2 * end
+        core = RevolvedBody(outline, grid.centre, -end, end, grid=grid, buried=buried)
+        section = straight_blank(design, place, number).body
+        return Blank(_plate(design, lids, grid), (core,), straight=section)
+
+    stages = plugs(design, shape, lids, blank)
+    return [[replace(part, cuts=_from_arc(part.cuts, grid)) for part in stage] for stage in stages]
+
+
 def shims_turn(design: Design) -> float:
     """Return the angle, rad, by which shims are turned out of the mold: their own, and a little."""
-    inner = (design.skin.curvature_radius_y or math.inf) - design.skin.thickness
+    inner = design.skin.back_radius
     return 2 * end_angle(design) + 2 * math.asin(design.mold.end_plate / inner) + 2 * GRIP / inner
 
 
 def check_bent(design: Design) -> Iterator[InputError]:
-    """Yield an error for each thing that a doubly curved mold can't be; none for a straight one."""
-    if design.skin.curvature_radius_y is None:
-        return
-    radius, choice = design.skin.curvature_radius_y, design.mold
-    remedy = "drop skin.curvature_radius_y"
+    """Yield an error for each thing that a doubly curved mold can't be."""
+    radius, choice = design.skin.radius_y, design.mold
+    remedy = f"drop {KEY}"
     if radius > LARGEST_RADIUS:
         rule = f"must be at most {LARGEST_RADIUS:g} mm for a mold: a flatter skin can be cast straight"
-        yield InputError("skin.curvature_radius_y", rule, radius, "leave it out")
+        yield InputError(KEY, rule, radius, "leave it out")
     most = SHARE_OF_ARM * (radius - design.skin.thickness)
     if skin_of(design).slot is not None and choice.end_plate > most:
         rule = f"must be at most {most:.4g} mm, or a shim rises too far in it"
-        yield InputError("mold.end_plate", rule, choice.end_plate, "or enlarge skin.curvature_radius_y")
+        yield InputError("mold.end_plate", rule, choice.end_plate, f"or enlarge {KEY}")
     if choice.cavities > 1:
         yield InputError("mold.cavities", "must be 1 in a doubly curved mold", choice.cavities, remedy)
     if split_ridges(design):
@@ -127,7 +156,7 @@ def check_bent(design: Design) -> Iterator[InputError]:
 
 
 def _grid(design: Design, shape: Section) -> Grid:
-    centre = (design.skin.curvature_radius_y or math.inf) - design.skin.thickness
+    centre = design.skin.back_radius
     return Grid(centre, end_angle(design), centre + shape.top)
 
 
@@ -147,9 +176,9 @@ def _lids(design: Design, place: Layout, grid: Grid) -> Layout:
     )
     bolt, hole, web = _cover_places(design, place, grid, top)
     if place.back >= grid.centre or web < BESIDE:
-        key, remedy = "skin.curvature_radius_y", "make the skin longer or the radius larger"
+        remedy = "make the skin longer or the radius larger"
         rule = f"leaves {web:.3g} mm at the narrow top between a bolt and a pin of the cover, which need "
-        raise InputError(key, rule + f"{BESIDE:g} mm", design.skin.curvature_radius_y, remedy)
+        raise InputError(KEY, rule + f"{BESIDE:g} mm", design.skin.radius_y, remedy)
     end = on_grid(half_length(grid, back))
     out = end + design.mold.end_plate / math.cos(grid.half) + OVERHANG
     keying = place.keying[1], 0.0  # there is no room along y
@@ -265,15 +294,39 @@ def _both_ends(
 
 
 def _carrier(design: Design, lids: Layout, grid: Grid) -> Part:
-    """The backing: a flat top above the back's arc, a clearance from the end plates all the way up."""
-    gap = design.mold.clearance
+    """The backing, whose bores are those of a straight one from where the arc is."""
     flat = carrier(design, lids)
+    return replace(flat, body=_plate(design, lids, grid), cuts=_from_arc(flat.cuts, grid))
+
+
+def _plate(design: Design, lids: Layout, grid: Grid) -> Prism:
+    """A flat top above the back's arc, a clearance from the end plates all the way up."""
+    gap = design.mold.clearance
     half = grid.half - math.asin(gap / grid.centre)
     wide = lids.trough - gap
-    body = Prism(seat(grid, half, lids.back, gap), "x", -wide, wide, grid=grid)
-    cuts = [_from_back(cut, grid) for cut in flat.cuts if isinstance(cut, Bore)]
-    usable = (cut for cut in cuts if cut.role is not CutRole.PULL or cut.length >= LEAST_PULL)
-    return replace(flat, body=body, cuts=tuple(usable))
+    return Prism(seat(grid, half, lids.back, gap), "x", -wide, wide, grid=grid)
+
+
+def _from_arc(cuts: tuple[Body, ...], grid: Grid) -> tuple[Body, ...]:
+    placed = [_windowed(_from_back(cut, grid) if isinstance(cut, Bore) else cut, grid) for cut in cuts]
+    short = [c for c in placed if isinstance(c, Bore) and c.role is CutRole.PULL and c.length < LEAST_PULL]
+    return tuple(cut for cut in placed if cut not in short)
+
+
+def _windowed(cut: Body, grid: Grid) -> Body:
+    """A window from where the arc is: what it takes away begins at the mean height of the arc under it, by
+    Green's theorem, so that its volume is right."""
+    if not isinstance(cut, Prism):
+        return cut
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    moment = 0.0
+    for side in cut.outline:
+        (x, y), (u, v) = side.start, side.end
+        along = (nodes + 1) / 2
+        rises = [rise(grid, y + share * (v - y)) for share in along.tolist()]
+        moment += float(weights / 2 @ ((x + along * (u - x)) * np.array(rises))) * (v - y)
+    counts = replace(cut, low=moment / area(cut.outline))
+    return ExtendedCut(counts, replace(cut, low=-BORE_OVERRUN))
 
 
 def _from_back(bore: Bore, grid: Grid) -> Bore:

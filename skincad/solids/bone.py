@@ -9,8 +9,9 @@ cured, the carrier comes off, and the bone is the skin's mount.
 
 How thin silicone gets is measured in the skin's section. Of a skin that is straight along y the distance of a
 bone to its outline, slots and ends is that of the bone's shadow along y, and of its reach along y; of a round
-one it is that of the bone as turned about z. Range: skins that are not doubly curved, the bone as its mesh
-within `CHORD`.
+one it is that of the bone as turned about z, and of a doubly curved one as turned about the skin's own axis:
+what counts in its section is a place's level, its height over the back. Range: the bone as its mesh within
+`CHORD`.
 """
 
 from __future__ import annotations
@@ -35,13 +36,16 @@ from skincad.shape.curves import Loop, Point, loop, polygon
 from skincad.shape.shots import face
 from skincad.shape.skin import Section, section
 from skincad.solids.fasteners import METRIC, thread_in
-from skincad.solids.layout import EDGE
+from skincad.solids.kind import kind_of
+from skincad.solids.layout import EDGE, ends_rise
 from skincad.solids.pins import pockets
 from skincad.solids.plan import Bore, CutRole, ExtendedCut, GivenBody, Part, PartRole, Prism, moved
 
 CHORD = 0.01  # mm, of the mesh that shadows are taken of
 LEAST_SILICONE = 0.5  # mm, assumption: over a bone; a thinner wall tears, and bubbles show in it
 BEHIND = 1e-4  # mm, behind the back: less is on it
+BENT_SLACK = 3 * CHORD  # mm, of a bent back: the mesh has its arc in chords
+SNAP = 1e-3  # mm, of the corners of a window over a bent back
 LEAST_HOLES = 2  # that say how a bone stands on its carrier
 LEAST_RIM = 0.1  # mm, assumption: of the bone's back round a hole into which a screw goes
 CHAMFER, CHAMFER_STEP = 0.6, 0.05  # mm, assumption: of a hole; a deeper cone is a countersink
@@ -61,10 +65,13 @@ class Bone:
     """A bone in its pose, in the design's frame, mm: its mesh's triangles `(f, 3, 3)`, the whole volume and
     that in front of the back, mm3, the radii, lowest places (x, y, z) and tops of round holes along z; and
     `undercut`, the necks of holes in front of the back that no straight pull along z empties: areas, mm2, and
-    places of those along z."""
+    places of those along z. `levels` `(f, 3)` mm are its corners' heights over the back; less than `slack` mm
+    is on it, as exact as the mesh is there."""
 
     body: GivenBody
     corners: Array
+    levels: Array
+    slack: float
     volume: float
     inside: float
     holes: tuple[tuple[float, tuple[float, float, float], float], ...]
@@ -82,7 +89,7 @@ class Bone:
     @property
     def printed(self) -> bool:
         """Whether it reaches behind the back."""
-        return bool(self.corners[:, :, 2].min() < -BEHIND)
+        return bool(self.levels.min() < -self.slack)
 
     @property
     def pin_holes(self) -> list[Bore]:
@@ -114,8 +121,8 @@ class Bone:
         return [hole for hole in every if hole.start[:2] not in pins]
 
     def shadow(self, across: int, low: float = -math.inf, high: float = math.inf) -> Any:
-        """The shadow along the axis `across` (1: y, 2: z) of what lies between two heights, mm: polygons of
-        (x, z) or (x, y)."""
+        """The shadow along the axis `across` (1: y, or what the skin turns along; 2: z) of what lies between
+        two levels, mm: polygons of (x, level) or (x, y)."""
         return _shadow(self, across, low, high)
 
     def in_section(self, *, turned: bool) -> Any:
@@ -173,18 +180,19 @@ def _swept(tip: Array, left: Array, right: Array, steps: int) -> shapely.Polygon
 
 @lru_cache(maxsize=32)
 def _shadow(bone: Bone, across: int, low: float, high: float) -> Any:
-    kept = (_between(triangle, low, high) for triangle in bone.corners)
-    faces = [shapely.Polygon(piece[:, [0, 3 - across]]) for piece in kept if len(piece) > 2]
+    shown = [0, 3] if across == 1 else [0, 1]
+    kept = (_between(triangle, low, high) for triangle in np.dstack([bone.corners, bone.levels]))
+    faces = [shapely.Polygon(piece[:, shown]) for piece in kept if len(piece) > 2]
     return shapely.union_all([face.buffer(1e-9) for face in faces if face.area > 0])
 
 
 def _between(triangle: Array, low: float, high: float) -> Array:
-    """A triangle's part between two heights, `(n, 3)`."""
+    """A triangle's part between two levels, its last column, `(n, 4)`."""
     points = triangle
     for level, sign in ((low, 1.0), (high, -1.0)):
         if not math.isfinite(level) or not len(points):
             continue
-        kept, over = [], sign * (points[:, 2] - level)
+        kept, over = [], sign * (points[:, -1] - level)
         for i in range(len(points)):
             j = (i + 1) % len(points)
             if over[i] >= 0:
@@ -192,7 +200,7 @@ def _between(triangle: Array, low: float, high: float) -> Array:
             if over[i] * over[j] < 0:
                 share = over[i] / (over[i] - over[j])
                 kept.append(points[i] + share * (points[j] - points[i]))
-        points = np.array(kept).reshape(-1, 3)
+        points = np.array(kept).reshape(-1, 4)
     return points
 
 
@@ -209,24 +217,47 @@ def bone_of(design: Design) -> Bone | None:
     if not S_ISREG(stamp.st_mode):  # a pipe would be waited for
         raise InputError(KEY, "is not a regular file", name, "give the path of a STEP file")
     at, turn = design.mold.bone_at or (0.0, 0.0, 0.0), design.mold.bone_turn or (0.0, 0.0, 0.0)
-    return _bone(str(path), stamp.st_mtime_ns, stamp.st_size, at, turn)
+    return _bone(str(path), stamp.st_mtime_ns, stamp.st_size, at, turn, design.skin.back_radius)
 
 
 Place = tuple[float, float, float]
 
 
 @lru_cache(maxsize=4)
-def _bone(path: str, changed: int, size: int, at: Place, turn: Place) -> Bone:
+def _bone(path: str, changed: int, size: int, at: Place, turn: Place, arm: float) -> Bone:
     from skincad.solids.occ import given_solid, holes_of, locks_of, volume_in_front
 
     if (depth := _depth(path)) > DEEPEST:
         raise InputError(KEY, f"must not nest more than {DEEPEST} deep", depth, "export it again")
     body = GivenBody(path, _pose(at, turn), 0.0, (changed, size))
     shape = given_solid(body, KEY)
-    whole, inside = float(shape.Volume()), volume_in_front(shape)
+    whole, corners = float(shape.Volume()), _corners(body)
+    if bent := math.isfinite(arm):
+        corners = _divided(corners, math.sqrt(8 * CHORD * arm))
+    y, z = corners[:, :, 1], corners[:, :, 2]
     return Bone(
-        replace(body, volume=whole), _corners(body), whole, inside, holes_of(shape, CHAMFER), locks_of(shape)
+        body=replace(body, volume=whole),
+        corners=corners,
+        levels=np.where(z + arm > 0, z + y**2 / (arm + z + np.hypot(y, arm + z)), z),
+        slack=BENT_SLACK if bent else BEHIND,
+        volume=whole,
+        inside=volume_in_front(shape, arm),
+        holes=holes_of(shape, CHAMFER),
+        undercut=locks_of(shape),
     )
+
+
+def _divided(triangles: Array, longest: float) -> Array:
+    """Triangles whose edges are no longer than that, mm: each longer one in four."""
+    done = list[Array]()
+    while len(triangles):
+        edges = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2).max(axis=1)
+        done.append(triangles[edges <= longest])
+        a, b, c = np.moveaxis(triangles[edges > longest], 1, 0)
+        d, e, f = (a + b) / 2, (b + c) / 2, (c + a) / 2
+        four = ((a, d, f), (d, b, e), (f, e, c), (d, e, f))
+        triangles = np.concatenate([np.stack(corners, axis=1) for corners in four])
+    return np.concatenate(done)
 
 
 def _depth(path: str) -> int:
@@ -297,12 +328,17 @@ def bone_parts(design: Design) -> list[Part]:
 
 def window(design: Design, low: float, gap: float) -> list[Loop]:
     """Return the loops, in the mold's (x, y), of the opening for a bone's print in a part that begins `low`
-    mm above the back, `gap` mm wider than it; none where the bone does not reach that."""
+    mm above the back, `gap` mm wider than it; none where the bone does not reach that. Over a bent back it is
+    the carrier's in all parts."""
     bone = bone_of(design)
     if bone is None or bone.corners[:, :, 2].min() > -low - BEHIND:
         return []
-    shadow = bone.shadow(2, -math.inf, -low - BEHIND)  # it leaves upward, through all that is behind it
-    region = shapely.buffer(shadow, gap + 1e-6, quad_segs=4).simplify(CHORD / 4)
+    leans = kind_of(design).leans
+    low = 0.0 if leans else low
+    shadow = bone.shadow(2, -math.inf, -low - bone.slack)  # it leaves upward, through all that is behind it
+    region = shapely.buffer(shadow, gap + (SNAP if leans else 1e-6), quad_segs=4).simplify(CHORD / 4)
+    if leans:  # a plane that crosses an arc's axis askew by 1e-5 rad is one across it to the kernel, or none
+        region = shapely.set_precision(region, SNAP)
     return [_loop(piece) for piece in getattr(region, "geoms", [region]) if not piece.is_empty]
 
 
@@ -346,7 +382,6 @@ def check_bone(design: Design) -> Iterator[InputError]:
     if bone is None:
         return
     for key, value in (
-        ("skin.curvature_radius_y", skin.curvature_radius_y),
         ("mold.mount", choice.mount),
         ("mount", "a table" if design.mount else None),
     ):
@@ -357,7 +392,10 @@ def check_bone(design: Design) -> Iterator[InputError]:
     shape = section(design)
     yield from _check_pose(design, bone, shape)
     yield from _check_pockets(design, bone)
-    if not bone.printed and len(bone.pin_holes) < LEAST_HOLES:
+    if not bone.printed and kind_of(design).leans:
+        rule = "ends at the back, which is bent along y: screws along z would not seat it square"
+        yield InputError(KEY, rule, choice.bone, "let it reach behind the back, through the carrier")
+    elif not bone.printed and len(bone.pin_holes) < LEAST_HOLES:
         many = len(bone.pin_holes)
         holes = f"{many} hole{'s' * (many != 1)}"
         rule = (
@@ -368,8 +406,14 @@ def check_bone(design: Design) -> Iterator[InputError]:
         remedy = f"give it {LEAST_HOLES} or more ({drills}), or let it reach behind the back"
         yield InputError(KEY, rule, choice.bone, remedy)
     if bone.printed:
-        through = bone.shadow(2, -math.inf, -BEHIND).buffer(choice.clearance)
-        if bone.shadow(2, -BEHIND, SAME).difference(through).area < LEAST_SHOULDER:
+        through = bone.shadow(2, -math.inf, -bone.slack).buffer(choice.clearance)
+        lies = bone.shadow(2, -bone.slack, max(SAME, bone.slack)).difference(through)
+        over = bone.shadow(2, max(SAME, bone.slack), LEAST_SILICONE).difference(through).difference(lies)
+        if kind_of(design).leans and over.area > lies.area:
+            rule = f"stands on the bent back by {lies.area:.3g} mm2, and leaves a wedge under {over.area:.3g}"
+            remedy = f"give its shoulder the back's radius, {skin.back_radius:g} mm, about an axis along x"
+            yield InputError(KEY, rule, choice.bone, remedy)
+        elif lies.area < LEAST_SHOULDER:
             rule = "has no shoulder at the back, z = 0: nothing stops it in the carrier's window"
             yield InputError(
                 KEY, rule, choice.bone, "give it one that lies on the carrier, or move it along z"
@@ -397,7 +441,8 @@ def check_hold(design: Design, top: float) -> None:
     shadow = bone.shadow(2, -math.inf, -BEHIND)
     circle = math.pi * shapely.minimum_bounding_radius(shadow) ** 2
     filled = sum(shapely.Polygon(piece.exterior).area for piece in getattr(shadow, "geoms", [shadow]))
-    alike = design.skin.round and design.features.family in ("ring", "flat") and not pockets(design)
+    turns = design.features.family in ("ring", "flat") and not pockets(design)
+    alike = turns and not kind_of(design).ends
     if filled > ROUND * circle and not alike:
         rule = "is round where it passes the carrier, and turns in its window"
         raise InputError(KEY, rule, design.mold.bone, "give it a flat there")
@@ -405,16 +450,21 @@ def check_hold(design: Design, top: float) -> None:
 
 def _check_pose(design: Design, bone: Bone, shape: Section) -> Iterator[InputError]:
     """Where a bone stands in the skin, and how thin the silicone gets round it."""
-    half, long = design.skin.width / 2, design.skin.length / 2
+    half, long = (
+        design.skin.width / 2,
+        design.skin.length / 2 * (1 - design.skin.thickness / design.skin.radius_y),
+    )
     low, high = bone.corners.reshape(-1, 3).min(axis=0), bone.corners.reshape(-1, 3).max(axis=0)
     at = design.mold.bone_at or (0.0, 0.0, 0.0)
     if high[2] <= LEAST_SILICONE or bone.inside <= 0.0:
         rule = f"puts the bone's top at {high[2]:.4g} mm above the back: it must be in the skin"
         yield InputError("mold.bone_at", rule, list(at), "raise it along z; the file counts in mm")
         return
-    within = bone.in_section(turned=design.skin.round)
-    ends = bone.corners[bone.corners[:, :, 2].max(axis=1) > 0.0].reshape(-1, 3)[:, 1]
-    beside = math.inf if design.skin.round else long - float(np.abs(ends).max())
+    kind = kind_of(design)
+    within = bone.in_section(turned=not kind.ends)
+    front = bone.corners[bone.levels.max(axis=1) > 0.0].reshape(-1, 3)
+    ends = _arcs(front, design.skin.back_radius)
+    beside = long - float(np.abs(ends).max()) if kind.ends else math.inf
     outline = shapely.Polygon(polygon(shape.outline, CHORD / 10))
     body = shapely.Polygon([(-half, -1e3), (half, -1e3), *_over(design, half)])
     if not outline.buffer(1e-6).contains(within) or beside < 0:
@@ -439,11 +489,18 @@ def _check_pose(design: Design, bone: Bone, shape: Section) -> Iterator[InputErr
         yield InputError("mold.bone_at", rule, list(at), "move it, or take a larger skin or a thicker layer")
 
 
+def _arcs(points: Array, arm: float) -> Array:
+    """Places along y, `(n,)` mm: of a bent back along its arc."""
+    if math.isinf(arm):
+        return points[:, 1]
+    return np.asarray(arm * np.arctan2(points[:, 1], arm + points[:, 2]))
+
+
 def _check_pockets(design: Design, bone: Bone) -> Iterator[InputError]:
     """A pocket that runs into a bone, or leaves too little silicone beside it."""
     for pocket in pockets(design):
         x, y, _ = pocket.start
-        low = bone.shadow(2, -math.inf, pocket.length + LEAST_SILICONE)
+        low = bone.shadow(2, -math.inf, pocket.length + ends_rise(design) + LEAST_SILICONE)
         beside = low.distance(shapely.Point(x, y)) - pocket.radius if not low.is_empty else math.inf
         if beside < LEAST_SILICONE:
             rule = f"leaves {max(beside, 0.0):.3g} mm of silicone beside the bone at ({x:.4g}, {y:.4g}), and "
@@ -473,4 +530,4 @@ def _from_corner(outline: shapely.Polygon) -> Iterator[tuple[float, float]]:
 def least_over(design: Design) -> float:
     """Return the bone's highest place above the back, mm; 0 without one."""
     bone = bone_of(design)
-    return 0.0 if bone is None else float(bone.corners[:, :, 2].max())
+    return 0.0 if bone is None else float(bone.levels.max())

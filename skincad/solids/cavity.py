@@ -24,6 +24,7 @@ from skincad.shape.curves import Loop, Point, Segment
 from skincad.shape.skin import Section, section, skin_of
 from skincad.solids.fasteners import blind_depth
 from skincad.solids.inserts import pin
+from skincad.solids.kind import kind_of
 from skincad.solids.layout import (
     BASE_PIN,
     BOLT_RADIUS,
@@ -256,7 +257,7 @@ def parts_at_tips(design: Design) -> bool:
     "auto" where a tool makes the holes, and they stand on a plane."""
     if design.mold.split == "none" or skin_of(design).symmetry != "revolved":
         return False
-    plane = on_plane(design, section(design)) and not design.skin.round and design.mold.cavities == 1
+    plane = on_plane(design, section(design)) and kind_of(design).ends and design.mold.cavities == 1
     return design.mold.split == "tips" or (plane and block_process(design).layer == 0)
 
 

@@ -6,12 +6,16 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
+
 from skincad.base.errors import InputError, refusals
 from skincad.inputs.design import Design
 from skincad.shape.curves import Loop, Point, Segment, flipped, loop
+from skincad.shape.shots import heights
 from skincad.shape.skin import Section, section
 from skincad.solids.fasteners import TAP_RADIUS, engagement
 from skincad.solids.gate import WIDTHS, wanted_gate
+from skincad.solids.kind import kind_of
 from skincad.solids.layout import (
     BESIDE,
     BOLT_RADIUS,
@@ -38,7 +42,7 @@ BEVELLED = 1.0  # mm; a leaning end plate is drawn higher by this before its top
 
 def end_plates(design: Design, shape: Section, place: Layout, end: End) -> list[Part]:
     """Return comb and keeper of one end, or a plain plate where there are no slots."""
-    thick, bent = design.mold.end_plate, design.skin.curvature_radius_y is not None
+    thick, bent = design.mold.end_plate, kind_of(design).leans
     low, high = (-place.end - thick, -place.end) if end == "a" else (place.end, place.end + thick)
     lower = [cut for x in place.lanes for cut in _bolt(design, place, end, low, x, place.comb_bolt)]
     pins = [(x, place.comb_pin) for x in place.pins]
@@ -47,8 +51,8 @@ def end_plates(design: Design, shape: Section, place: Layout, end: End) -> list[
     lower += _marks(design, place, end)
     upper = [cut for x in place.lanes for cut in _bolt(design, place, end, low, x, place.keeper_bolt)]
     upper += _pry(design, place, end, (place.split, place.back - bevel(design)))
-    if end == "a" and (opening := gate_bore(design, shape)):
-        upper += [moved(opening, x) for x in place.centres]
+    if end == "a":
+        upper += [moved(opening, x) for opening in gate_bores(design, shape) for x in place.centres]
     upper += [_bevelled(design, place, end)] if bent else []
     top = place.back + BEVELLED if bent else place.back
     if not shape.slots:
@@ -70,7 +74,7 @@ def _bolt(design: Design, place: Layout, end: End, low: float, x: float, z: floa
     depth = min(NUT_DEPTH, thick - LEAST_UNDER_NUT)
     fits_in = min(z - place.bottom, place.back - z, abs(z - place.split)) >= place.nut + BESIDE
     through = Bore((x, low, z), "y", thick, BOLT_RADIUS, role=CutRole.END_BOLT)
-    if design.skin.curvature_radius_y is None and end == "b":
+    if end == "b" and not kind_of(design).leans:
         if not end_fits(design).printed and thick >= engagement(end_process(design)):
             return [replace(through, radius=TAP_RADIUS, role=CutRole.END_THREAD)]
         if end_fits(design).printed and depth >= NUT_DEPTH / 2 and fits_in:
@@ -140,53 +144,77 @@ def _joined(edges: list[Loop], half: float) -> list[Segment]:
 
 def refused_ends(design: Design, shape: Section, place: Layout) -> Iterator[InputError]:
     """Yield an error for a gate, and one for notches, that find no room in the end plates."""
-    yield from refusals(lambda: gate_bore(design, shape))
+    yield from refusals(lambda: gate_bores(design, shape))
     yield from refusals(lambda: _edges(design, shape, place) if shape.slots else None)
 
 
 def gate(design: Design) -> float | None:
     """Return the diameter of the pouring gate of a design's mold, mm; None for an open pour."""
-    bore = gate_bore(scaled_for_shrinkage(design), section(scaled_for_shrinkage(design)))
-    return 2 * bore.radius if bore else None
+    bores = gate_bores(scaled_for_shrinkage(design), section(scaled_for_shrinkage(design)))
+    return 2 * bores[0].radius if bores else None
 
 
-def gate_bore(design: Design, shape: Section) -> Bore | None:
-    """Return the pouring gate: along y through the upper end plate of end a, as low as the skin's body
-    and the web under it allow; None for an open pour. `design` is what is poured.
+def gate_bores(design: Design, shape: Section) -> list[Bore]:
+    """Return the pouring gates: along y through the upper end plate of end a, as low as the skin's body and
+    the web under it allow; none for an open pour. A doubly curved skin in layers has one for each, all of one
+    width, the back's first. `design` is what is poured.
 
     Raises InputError where a gate finds no room and an open pour is no way out.
     """
     skin, choice, diameter = design.skin, design.mold, design.mold.gate
-    if choice.pour == "open" or skin.round or design.shot:
-        return None
-    most = _gate_room(design, shape, (diameter or WIDTHS[0]) / 2)[1]
+    kind, shots = kind_of(design), len(design.shot or ())
+    straight = not kind.leans
+    if choice.pour == "open" or not kind.ends or (straight and shots):
+        return []
+
+    def least(wide: float) -> tuple[float, int]:
+        """The largest diameter that has room in all layers, and in which it is least."""
+        return min((_gate_room(design, shape, n, wide / 2)[2], n) for n in range(shots + 1))
+
+    most, narrow = least(diameter or WIDTHS[0])
     wide = diameter or min(wanted_gate(design, shape), math.floor(10 * most) / 10)  # a drill
     if diameter is None and wide > WIDTHS[0]:  # a wider one stands further from the middle
-        most = _gate_room(design, shape, wide / 2)[1]
+        most, narrow = least(wide)
         wide = max(WIDTHS[0], min(wide, math.floor(10 * most) / 10))
-    body = _gate_room(design, shape, wide / 2)[0]
-    straight, room = skin.curvature_radius_y is None, f"leaves {most:.4g} mm for the gate in the skin's end"
+    where = (
+        f"of {'the layer in front' if narrow == shots else f'shot {narrow + 1}'}"
+        if shots
+        else "in the skin's end"
+    )
+    room = f"leaves {most:.4g} mm for the gate {where}"
     way_out = ', or take mold.pour = "open"' if straight else ""
     if most <= 0 or (diameter is None and wide < LEAST_GATE):
         if diameter is None and choice.pour is None and straight:
-            return None
+            return []
         needs = f"{room}, which needs {LEAST_GATE:g} mm"
         raise InputError(
             "skin.thickness", needs, skin.thickness * (1 - shrinkage(design)), f"make it thicker{way_out}"
         )
     if wide > most:
         raise InputError("mold.gate", room, wide, f"make it smaller{way_out}")
-    web = max(_sill(design), min(GATE_WEB, body - wide - GATE_SILL))
-    start = (0.0, -skin.length / 2 - choice.end_plate, web + wide / 2 - body)
-    return Bore(start, "y", choice.end_plate, wide / 2, role=CutRole.GATE)
+    gates = []
+    for number in range(shots + 1):
+        back, front, _ = _gate_room(design, shape, number, wide / 2)
+        web = max(_sill(design), min(GATE_WEB, front - back - wide - GATE_SILL))
+        start = (0.0, -skin.length / 2 - choice.end_plate, web + wide / 2 - front)
+        gates.append(Bore(start, "y", choice.end_plate, wide / 2, role=CutRole.GATE))
+    return gates
 
 
-def _gate_room(design: Design, shape: Section, radius: float) -> tuple[float, float]:
-    """Return how high the skin's body is at this distance from its middle, and a gate's largest diameter."""
+def _gate_room(design: Design, shape: Section, number: int, radius: float) -> tuple[float, float, float]:
+    """Return how high the layer on the face of shot `number`, or on the back, 0, begins and ends at this
+    distance from its middle, and a gate's largest diameter, mm."""
     skin = design.skin
     fall = 2 * skin.curvature_radius * math.sin(math.asin(min(1.0, radius / skin.curvature_radius)) / 2) ** 2
-    body = skin.thickness + min(split_height(design, shape)[0], 0.0) - fall
-    return body, min(body - GATE_SILL - _sill(design), skin.width - 2 * GATE_SILL)
+    front = skin.thickness + min(split_height(design, shape)[0], 0.0) - fall
+    if number < len(design.shot or ()):
+        front = min(front, _height(design, number + 1, radius))
+    back = _height(design, number, 0.0)
+    return back, front, min(front - back - GATE_SILL - _sill(design), skin.width - 2 * GATE_SILL)
+
+
+def _height(design: Design, number: int, x: float) -> float:
+    return float(heights(design, number, np.array([x]), np.zeros(1))[0])
 
 
 def _sill(design: Design) -> float:

@@ -7,6 +7,7 @@ import math
 from skincad.inputs.design import Design
 from skincad.shape.curves import flipped
 from skincad.shape.skin import section
+from skincad.solids.kind import kind_of
 from skincad.solids.plan import Bore, End, Part, PartRole, Prism, Vector
 
 PIN_RADIUS = 1.0  # mm, source: ISO 2338 dowel pin, 2 mm
@@ -64,7 +65,7 @@ def lead_length(design: Design) -> float:
         return 0.0
     if design.film.lead is not None:
         return design.film.lead
-    plate = design.mold.end_plate if design.skin.curvature_radius_y is not None else 0.0
+    plate = design.mold.end_plate if kind_of(design).leans else 0.0
     return max(LEAST_DEFAULT_LEAD, math.ceil(2 * fan_lead(design)) / 2) + plate
 
 

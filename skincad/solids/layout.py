@@ -25,6 +25,8 @@ import math
 from itertools import pairwise
 from typing import NamedTuple
 
+import numpy as np
+
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.inputs.process import Process, processes
@@ -32,6 +34,7 @@ from skincad.shape.curves import Point, loop
 from skincad.shape.skin import Section, summit
 from skincad.solids.fasteners import TAP_RADIUS, blind_depth, insert_radius, least_thickness
 from skincad.solids.inserts import PIN_RADIUS
+from skincad.solids.kind import STRAIGHT, kind_of
 from skincad.solids.pins import flank_end, pins
 from skincad.solids.plan import CutRole, Prism
 from skincad.solids.shrinkage import on_grid, shrinkage
@@ -222,7 +225,8 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
     trough = _rounded_up(skin.width + 2 * LEDGE) / 2 + choice.clearance
     inner = max(trough + EDGE + BOLT_RADIUS, pin_offset + slide + EDGE / 2)
     widest = max(BOLT_RADIUS, block_fits(design).thread)  # of the cover's row: it may have inserts
-    plates = not skin.round
+    kind = kind_of(design)
+    plates = kind.ends
     outer = inner + EDGE + BOLT_RADIUS + widest if plates else trough + EDGE + widest
     count, short = choice.cavities, is_clamped(design)
     row_offset = BOLT_RADIUS + EDGE / 2  # of a row along z and the lane beside it, from the middle of a land
@@ -249,10 +253,8 @@ def layout(design: Design, shape: Section, *, split_cavity: bool = False) -> tup
         plate = BASE_PIN + EDGE + PIN_DEPTH - (holes[0].origin[2] + flank_end(holes))
         need, what = max((need, what), (plate, "the pins in the wall of a plate of through holes"))
     back, thin = _room("mold.carrier_thickness", choice.carrier_thickness, CARRIER, need, what)
-    straight = skin.curvature_radius_y is None  # a bent mold's narrow top has no height to give
-    top = (
-        on_grid(back + SQUEEZED_SHARE * seal_thickness(stack_error(design, spans, lid))) if straight else back
-    )
+    seal = 0.0 if kind.leans else SQUEEZED_SHARE * seal_thickness(stack_error(design, spans, lid))
+    top = on_grid(back + seal) if seal else back  # a bent mold's narrow top has no height to give
     need = lowest - split + 2 * (nut + EDGE) if plates else 0.0
     if split_cavity:
         need = max(need, *_under_pieces(nut, top - lowest))
@@ -306,7 +308,7 @@ def _cover_screws(
     choices = screw_rows(
         length, diagonal, max(BOLT_RADIUS, holes.thread) + EDGE, 2 * between, design.mold.cavities
     )
-    if is_clamped(design) or design.skin.curvature_radius_y is not None:
+    if is_clamped(design) or kind_of(design).leans:
         choices = choices[:1]
     modulus, thickness = lid_process(design).part_modulus, design.mold.cover
     row, lid = choose_screws(choices, wide, load, modulus, thickness, STOCK)
@@ -322,7 +324,7 @@ def stack_error(design: Design, spans: Spans, lid: float) -> float:
     if design.mold.block_process is not None:
         on_ledge += processes(design.printer)[design.mold.process].tolerance  # of the disc between them
     keeper = block.tolerance + 2 * ends.tolerance + end_fits(design).slide - PIN_RADIUS
-    under = on_ledge if design.skin.round else max(on_ledge, keeper)
+    under = max(on_ledge, keeper) if kind_of(design).ends else on_ledge
     return under + bow(spans, lid, lids.part_modulus, SEAL_PRESSURE)
 
 
@@ -351,8 +353,7 @@ def _rounded_up(size: float) -> float:
 
 def is_clamped(design: Design) -> bool:
     """Whether a skin is so short that clamps hold its mold's cover, not bolts; `design` is what is poured."""
-    straight = not design.skin.round and design.skin.curvature_radius_y is None
-    return straight and design.skin.length < LEAST_BOLTED
+    return kind_of(design) is STRAIGHT and design.skin.length < LEAST_BOLTED
 
 
 def _room(
@@ -391,6 +392,13 @@ def _under_pieces(nut: float, high: float) -> tuple[float, float]:
 def end_angle(design: Design) -> float:
     """Return the angle by which an end plate of a doubly curved mold leans, rad; 0 where it is upright."""
     return design.skin.length / 2 / design.skin.radius_y
+
+
+def ends_rise(design: Design) -> float:
+    """Return how much higher the back's ends lie than its middle in the mold, mm."""
+    angle, skin = end_angle(design), design.skin
+    arc = skin.length / 2 * (1 - skin.thickness / skin.radius_y)
+    return arc * math.sin(angle / 2) * float(np.sinc(angle / 2 / math.pi))
 
 
 def bevel(design: Design) -> float:

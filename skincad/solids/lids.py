@@ -28,6 +28,7 @@ from skincad.solids.fasteners import (
     thread_in,
 )
 from skincad.solids.inserts import pin
+from skincad.solids.kind import kind_of
 from skincad.solids.layout import (
     BOLT_RADIUS,
     EDGE,
@@ -107,7 +108,7 @@ def _inside(design: Design, place: Layout, hole: Bore) -> None:
     """Raise InputError for a hole that is too near to the carrier's edge."""
     mount = design.mounting or Mount()
     room = [half - EDGE - hole.radius for half in _halves(design, place)]
-    at = [math.hypot(*hole.start[:2])] * 2 if design.skin.round else hole.start[:2]
+    at = kind_of(design).apart(*hole.start[:2])
     share = [most / abs(v) if v else math.inf for most, v in zip(room, at, strict=True)]
     if min(share) >= 1:
         return
@@ -156,7 +157,7 @@ def size_key(mount: Mount, axis: int = 0) -> str:
 def _halves(design: Design, place: Layout) -> tuple[float, float]:
     """Half of the carrier's width and length, mm; a round one's radius."""
     half = place.trough - design.mold.clearance
-    return half, half if design.skin.round else place.end - design.mold.clearance
+    return half, place.end - design.mold.clearance if kind_of(design).ends else half
 
 
 def fiducial_bores(design: Design, place: Layout, occupied: Sequence[tuple[Vector, float]]) -> list[Bore]:
@@ -167,7 +168,7 @@ def fiducial_bores(design: Design, place: Layout, occupied: Sequence[tuple[Vecto
     if mount is None or not mount.fiducials:
         return []
     wide, deep = mount.fiducial_diameter / 2, mount.fiducial_depth
-    share = math.sqrt(0.5) if design.skin.round else 1.0  # of a disc, its corners stand on the diagonals
+    share = kind_of(design).corner
     x, y = (math.floor(TENTHS * share * (half - EDGE - wide)) / TENTHS for half in _halves(design, place))
     places: list[tuple[float, float]] = []
     for corner in ((x, -y), (-x, -y), (-x, y), (-math.floor(TENTHS * x / 3) / TENTHS, -y))[: mount.fiducials]:
@@ -206,6 +207,7 @@ CUP_RIM = 0.5  # mm, assumption: by which the cup is at least wider above than b
 MARK = 1.0  # mm, assumption: diameter of a dimple that lines two parts up
 FLARE = 1.5  # assumption: of the cover's thickness, by which a cup widens at most: a flatter one runs over
 OVERLAP = 0.3  # mm, assumption: the cup's reach over the end plate, should the cover sit aside
+ROUNDING = 1e-9  # mm, by which a hole may be off the last place that it has
 LEAST_PULL = 2.0  # mm, assumption: thread that lifts the skin out
 
 
@@ -223,7 +225,7 @@ def vent_bore(design: Design, place: Layout) -> Bore:
         raise InputError(key, rule, remedy="enlarge it, or cast a larger skin and cut it to size")
     if wide > room:
         raise InputError("mold.vent", f"must be at most {room:.4g} mm (the skin's back)", wide)
-    y = place.end - wide / 2 - (0.0 if design.skin.round else gap + EDGE / 2)
+    y = place.end - wide / 2 - (gap + EDGE / 2 if kind_of(design).ends else 0.0)
     return Bore((0.0, y, 0.0), "z", place.back, wide / 2, role=CutRole.VENT)
 
 
@@ -243,7 +245,7 @@ def _reservoir(design: Design, place: Layout, vent: Bore) -> Bore:
     beside = [abs(x - place.centres[0]) for x, _ in place.bolts] or [place.outer]
     most = min(min(beside) - BOLT_RADIUS, *(x - place.centres[-1] for x in place.lanes[-1:]), math.inf) - EDGE
     rim = min(place.cover, end + design.mold.end_plate) - EDGE / 2
-    if design.skin.round:  # no gap at its end: the carrier lies on its ledge all round
+    if not kind_of(design).ends:  # no gap there: the carrier lies on its ledge all round
         end, inner, rim = vent.start[1], inner - OVERLAP, place.cover - EDGE / 2
     most = min(most, rim)  # and off the cover's edge at end a
 
@@ -305,7 +307,7 @@ def _rivets(design: Design, place: Layout, vent: Bore, cup: Bore) -> list[tuple[
         (x, y)
         for x in _grid(wide, spacing)
         for y in _grid(long, spacing)
-        if not (design.skin.round and math.hypot(x, y) > design.skin.width / 2 - small - EDGE)
+        if kind_of(design).apart(x, y)[0] <= design.skin.width / 2 - small - EDGE + ROUNDING
         and math.hypot(x, y - vent.start[1]) > large + vent.radius + EDGE / 2
         and math.dist(_bleed(design, (x, y)), cup.start[:2]) > beside
     ]
@@ -488,9 +490,7 @@ def carrier(design: Design, place: Layout) -> Part:
     vent, _, rivets, pulls, mount, cores = openings(design, place)
     holes = drilled(CutRole.RIVET, "z", rivets, 0.0, place.back, *HOLD[:2])
     gap = design.mold.clearance
-    half, flat = place.end - gap, (0.0, place.back)
-    wide = place.trough - gap
-    body = disc(wide, *flat) if design.skin.round else box(wide, (-half, half), flat)
+    body = kind_of(design).plate(place.trough - gap, place.end - gap, 0.0, place.back)
     marks = round_marks(design, place)[:1]
     part = Part("carrier", PartRole.CARRIER, body, (vent, *holes, *pulls, *mount, *cores, *marks))
     return windowed(part, design, 0.0, place.back)
@@ -499,7 +499,7 @@ def carrier(design: Design, place: Layout) -> Part:
 def round_marks(design: Design, place: Layout) -> list[Bore]:
     """Return the dimples in a round carrier's top and in its block's, which lie in line once it is turned as
     its skin is; none of a square one, whose vent tells which of two ways is right."""
-    if not design.skin.round:
+    if kind_of(design).ends:
         return []
     vent, _, rivets, pulls, mount, cores = openings(design, place)
     radius, inner = MARK / 2, place.trough - design.mold.clearance - EDGE - MARK / 2
@@ -525,7 +525,7 @@ def pull_threads(design: Design, place: Layout, filled: list[tuple[Vector, float
     if thick < LEAST_UNDER_HOLE + LEAST_PULL or x < TAP_RADIUS + EDGE / 2:
         return []
     for y in np.arange(0.0, most, TAP_RADIUS / 2).tolist():
-        u, v = (x * math.cos(y / x), x * math.sin(y / x)) if design.skin.round else (x, y)
+        u, v = kind_of(design).along_edge(x, y)
         pair = (-u, -v), (u, v)
         free = all(clear_of(design, 0.0, p, TAP_RADIUS) for p in pair)
         if free and all(math.dist(p, at[:2]) > r + TAP_RADIUS + EDGE / 2 for p in pair for at, r in filled):
@@ -567,7 +567,9 @@ def seal_sheet(design: Design, place: Layout) -> Part:
     holes = tuple(rectangle(a + web, b - web, -end, end) for a, b in between)
     _, cup, rivets, *_ = openings(design, place)
     low, thick = place.back, place.top - place.back
-    body = disc(web, low, place.top) if design.skin.round else Prism(outline, "z", low, place.top, holes)
+    body = Prism(outline, "z", low, place.top, holes)
+    if not kind_of(design).ends:
+        body = disc(web, low, place.top)
     over = drilled(CutRole.RESERVOIR, "z", [cup.start[:2]], low, thick, cup.radius)
     bleeds = [_bleed(design, hole) for hole in rivets]
     over += drilled(CutRole.BLEED, "z", bleeds, low, thick, _bleed_radius(design))

@@ -41,7 +41,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from skincad.base.errors import InputError, refusals, together
 from skincad.inputs.design import Design
 from skincad.shape.skin import section, skin_of
-from skincad.solids.bent import bent_parts, check_bent, shims_turn
+from skincad.solids.bent import bent_parts, bent_plugs, check_bent, shims_turn
 from skincad.solids.bone import bone_parts, check_bone
 from skincad.solids.cavity import (
     base_dowels,
@@ -55,6 +55,7 @@ from skincad.solids.cavity import (
 )
 from skincad.solids.ends import end_plates, refused_ends
 from skincad.solids.inserts import drawing_end, pin, shims, strips
+from skincad.solids.kind import kind_of
 from skincad.solids.layout import Layout, layout
 from skincad.solids.lids import (
     backing,
@@ -64,9 +65,9 @@ from skincad.solids.lids import (
     seal_sheet,
 )
 from skincad.solids.pins import on_plane
-from skincad.solids.plan import CAVITIES, END_PLATES, ENDS, End, Part, PartRole, Prism, moved
+from skincad.solids.plan import CAVITIES, END_PLATES, ENDS, End, Part, PartRole, Prism, RotatedBody, moved
 from skincad.solids.round import check_round, lids_layout, round_parts
-from skincad.solids.shots import check_shots, plugs
+from skincad.solids.shots import check_shots, plugs, round_blank, straight_blank
 from skincad.solids.shrinkage import scaled_for_shrinkage
 from skincad.solids.skin import Way, cast_skin
 
@@ -133,7 +134,9 @@ def mold(design: Design) -> ClosedMold:
     ridges = split_ridges(design)
     broken = list(_choices(design, ridges))
     # the part as designed must be one, not only the larger cavity
-    whole = [*check_bent(design), *check_round(design), *check_shots(design), *check_bone(design)]
+    kind = kind_of(design)
+    whole = [*(check_bent(design) if kind.leans else ()), *check_round(design)]
+    whole += [*check_shots(design), *check_bone(design)]
     whole += refusals(lambda: (section(design), section(scaled_for_shrinkage(design))))
     if whole:  # nothing is laid out in what is none
         raise together([*broken, *whole])
@@ -146,11 +149,12 @@ def mold(design: Design) -> ClosedMold:
     broken += [*refused_lids(design, lids_layout(design, place))]
     if broken:
         raise together(broken)
-    if design.skin.curvature_radius_y is not None:
-        return _with_opening(design, place, tuple(bent_parts(design, shape, place)), [])
-    if design.skin.round:
+    if kind.leans:
+        closed = _with_opening(design, place, tuple(bent_parts(design, shape, place)), [])
+        return _with_plugs(closed, place, bent_plugs(design, shape, place))
+    if not kind.ends:
         closed = _with_opening(design, place, tuple(round_parts(design, shape, place)), [])
-        return _with_plugs(closed, place, plugs(design, shape, lids_layout(design, place)))
+        return _with_plugs(closed, place, plugs(design, shape, lids_layout(design, place), round_blank))
     pieces = [cavity(design, shape, place)] if not on_base else cavity_plate(design, shape, place)
     pieces = cavity_pieces(design, shape, place, ridges) if ridges else pieces
     ends = [part for end in ENDS for part in end_plates(design, shape, place, end)]
@@ -163,22 +167,29 @@ def mold(design: Design) -> ClosedMold:
     shim_parts, cast_strips = _gang(place, shim_parts), _gang(place, cast_strips)
     parts = (*skins, *pieces, *ends, *rest, *shim_parts, *cast_strips)
     closed = _with_opening(design, place, parts, ridges)
-    return _with_plugs(closed, place, [_gang(place, stage) for stage in plugs(design, shape, place)])
+    stages = plugs(design, shape, place, straight_blank)
+    return _with_plugs(closed, place, [_gang(place, stage) for stage in stages])
 
 
 def _with_plugs(closed: ClosedMold, place: Layout, stages: list[list[Part]]) -> ClosedMold:
     """The mold with what it is before the last layer: plugs, and core pins in them, in the place of skin,
     carrier and what is in it.
-    Plugs leave upward, once the cover is off; core pins stay, and nothing else is opened then."""
+    Plugs leave upward, once the cover is off, and plates that lean over them: keepers off their combs, over
+    which shims stay. Core pins stay too, and nothing else is opened then."""
     gone = (PartRole.SKIN, PartRole.CARRIER, PartRole.CORE_PIN, PartRole.BONE, PartRole.BONE_SCREW)
     kept = [part for part in closed.parts if part.role not in gone]
     lid = (PartRole.COVER, PartRole.COVER_PIN, PartRole.SEAL)
     high = 2 * (place.top - place.bottom)
-    off = Move(tuple(part.name for part in kept if part.role in lid), "z", high)
+    steps = [Move(tuple(part.name for part in kept if part.role in lid), "z", high)]
+    leaning = [part for part in kept if isinstance(part.body, RotatedBody) and part.role in END_PLATES]
+    if keepers := tuple(part.name for part in leaning if part.role is PartRole.KEEPER):
+        steps.append(Move(keepers, "z", high))
+    elif leaning:
+        steps += [step for step in closed.opening if step.parts[0] in [part.name for part in leaning]]
     earlier = tuple(
         ClosedMold(
             (*kept, *stage),
-            (off, Move(tuple(part.name for part in stage if part.role is PartRole.PLUG), "z", high)),
+            (*steps, Move(tuple(part.name for part in stage if part.role is PartRole.PLUG), "z", high)),
         )
         for stage in stages
     )
@@ -208,7 +219,7 @@ def _with_opening(design: Design, place: Layout, parts: tuple[Part, ...], ridges
     faces. A whole cavity lets the skin be pulled up with its carrier; the pieces of a split one leave the
     skin, its base first, then the outer ones, then the others from the middle. Off a plate of through holes
     comes its base, then the skin."""
-    bent, closed = design.skin.curvature_radius_y is not None, ClosedMold(parts, ())
+    bent, closed = kind_of(design).leans, ClosedMold(parts, ())
     far = 2 * design.skin.length + 4 * design.mold.end_plate
     high = 2 * (place.top - place.bottom) + (design.skin.length if bent else 0.0)
 

@@ -167,8 +167,12 @@ def volume(part: Part, shape: cq.Solid) -> float:
 
 def _on_curved(part: Part) -> bool:
     """Whether a bore or a pin of a part meets a curved face."""
+    if isinstance(part.body, RevolvedBody) and any(isinstance(cut, ExtendedCut) for cut in part.cuts):
+        return True
     return any(
-        bool(body.within) if isinstance(body, Bore) else isinstance(body, TurnedBody) and body.buried != 0.0
+        bool(body.within)
+        if isinstance(body, Bore)
+        else isinstance(body, TurnedBody | RevolvedBody) and body.buried != 0.0
         for body in (*part.cuts, *part.adds)
     )
 
@@ -329,9 +333,18 @@ def _placed(shape: TopoDS_Shape, body: GivenBody) -> TopoDS_Shape:
     return BRepBuilderAPI_Transform(shape, move, True).Shape()
 
 
-def volume_in_front(shape: cq.Solid) -> float:
-    """Return the volume of a solid at z > 0, mm3."""
+def volume_in_front(shape: cq.Solid, radius: float = math.inf) -> float:
+    """Return the volume of a solid at z > 0, mm3, or outside the cylinder of a radius, mm, with its axis
+    along x and its summit at z = 0."""
     box = shape.BoundingBox()
+    if math.isfinite(radius):
+        long = box.xmax - box.xmin + 2.0
+        back = cq.Solid.makeCylinder(
+            radius, long, cq.Vector(box.xmin - 1.0, 0.0, -radius), cq.Vector(1, 0, 0)
+        )
+        wide = 4 * (radius + abs(box.ymin) + abs(box.ymax))
+        over = cq.Solid.makeBox(long, wide, wide, cq.Vector(box.xmin - 1.0, -wide / 2, -radius))
+        return float(shape.intersect(over).cut(back).Volume())
     if box.zmax <= 0:
         return 0.0
     if box.zmin >= 0:

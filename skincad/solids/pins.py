@@ -8,7 +8,7 @@ under its foot; the part of the cylinder inside the base doesn't count.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import pairwise
 
@@ -17,11 +17,14 @@ import numpy as np
 from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.inputs.feature_tables import Pin, Pocket, places
+from skincad.inputs.guards import CAP
 from skincad.inputs.skin_tables import Base
 from skincad.shape.curves import Loop, Point, Segment, flipped
 from skincad.shape.feature import Feature, Placed
+from skincad.shape.shots import heights
 from skincad.shape.skin import Section, Skin, skin_of, upright
-from skincad.solids.plan import Bore, CutRole, TurnedBody, shifted
+from skincad.solids.kind import kind_of
+from skincad.solids.plan import Bore, CutRole, ExtendedCut, TurnedBody, shifted
 from skincad.solids.shrinkage import on_grid
 
 SUNK = 0.2  # mm, by which a pin's cylinder goes at least into a curved base
@@ -38,22 +41,27 @@ MAGNETS = {
     10.0: (1.0, 2.0, 3.0, 5.0, 10.0),
 }
 SQUEEZE = 0.1, 0.2  # mm, assumption: by which a pocket is narrower than its magnet, so that it holds it
-CAP = 0.2  # mm, assumption: least silicone over a magnet that closes its pocket
 MAGNET_PLAY = 0.1  # mm, assumption: of a magnet in the carrier's hole through which it goes in
+_GAUSS, _TURN = np.polynomial.legendre.leggauss(12), 32  # of the quadrature over a pocket
 _TURNS, _RINGS = 16, np.polynomial.legendre.leggauss(8)  # of the quadrature over a foot; smooth, so exact
 _STEPS, _STILL = 60, 1e-14  # of the way down to the base; mm
 
 
 def magnet_diameter(pocket: Pocket) -> float | None:
-    """Return the diameter of the magnets that a pocket squeezes, mm; None where none is sold."""
+    """Return the diameter of the magnets that a pocket squeezes, mm: of the named ones, or else of what is
+    sold; None where none is."""
+    if pocket.magnet is not None:
+        return pocket.magnet.diameter
     low, high = SQUEEZE
     return next((wide for wide in MAGNETS if low - 1e-9 <= wide - pocket.diameter <= high + 1e-9), None)
 
 
 def magnet_of(design: Design) -> tuple[float, float] | None:
-    """Return diameter and length of the magnet that a design's pockets hold by their squeeze, mm, the longest
-    that is sold; None where none fits, and without pockets."""
+    """Return diameter and length of the magnet in a design's pockets, mm: the named one, or else the longest
+    that is sold and that they hold by their squeeze; None where none fits, and without pockets."""
     pocket = design.features.pocket
+    if pocket is not None and pocket.magnet is not None:
+        return pocket.magnet.diameter, pocket.magnet.length
     if pocket is None or (wide := magnet_diameter(pocket)) is None:
         return None
     long = [each for each in MAGNETS[wide] if each <= pocket.depth - CAP + 1e-9]
@@ -85,7 +93,7 @@ def pins(design: Design, shape: Section) -> tuple[TurnedBody, ...]:
 def on_plane(design: Design, shape: Section) -> bool:
     """Whether the base, whose section is `shape`, is plane."""
     flat = all(s.bulge == 0.0 for s in shape.outline if s.kind == "base")
-    return flat and design.skin.curvature_radius_y is None
+    return flat and not kind_of(design).leans
 
 
 def flank_end(pins: Iterable[TurnedBody]) -> float:
@@ -131,13 +139,16 @@ def pocket_places(design: Design) -> list[tuple[float, float]]:
         return []
     if isinstance(design.features, Pin):
         return [(p.tip[0] + pocket.offset, p.tip[1]) for p in skin_of(design).placed]
-    radius = design.skin.curvature_radius
+    radius, along = design.skin.curvature_radius, design.skin.radius_y
     where = places(design.skin, design.features)
-    return [(radius * math.sin(at.u / radius) + pocket.offset, at.v) for at in where]
+    return [
+        (radius * math.sin(at.u / radius) + pocket.offset, at.v * float(np.sinc(at.v / along / math.pi)))
+        for at in where
+    ]
 
 
 def pockets(design: Design, up: float = 1.0) -> tuple[Bore, ...]:
-    """Return the pockets as blind holes from the back; `up` = -1 as the skin lies in its mold."""
+    """Return the pockets as blind holes from the back's middle; `up` = -1 as the skin lies in its mold."""
     pocket = design.features.pocket
     if pocket is None:
         return ()
@@ -146,6 +157,37 @@ def pockets(design: Design, up: float = 1.0) -> tuple[Bore, ...]:
         Bore((x, up * y, min(0.0, up * deep)), "z", deep, pocket.diameter / 2, role=CutRole.POCKET)
         for x, y in pocket_places(design)
     )
+
+
+def pocket_cuts(design: Design, up: float = 1.0, number: int | None = None) -> Iterator[Bore | ExtendedCut]:
+    """Yield what pockets take from the skin, or from what lies behind the face of shot `number`: from a back
+    that bends on, or up to a face that they go through. There they are built beyond it."""
+    for pocket in pockets(design):
+        low, _, out = over_disc(design, 0, pocket.start[:2], pocket.radius)
+        top, beyond = pocket.length, pocket.length
+        if number is not None:
+            mean, most, _ = over_disc(design, number, pocket.start[:2], pocket.radius)
+            top, beyond = (mean, max(top, most + SUNK)) if pocket.length > mean else (top, top)
+        counts, built = (
+            replace(pocket, start=(pocket.start[0], up * pocket.start[1], min(up * a, up * b)), length=b - a)
+            for a, b in ((low, top), (out - SUNK if low else 0.0, beyond))
+        )
+        yield counts if counts == built else ExtendedCut(counts, built)
+
+
+def over_disc(
+    design: Design, number: int, at: tuple[float, float], radius: float
+) -> tuple[float, float, float]:
+    """Return mean, largest and least height of a shot's face over a disc, or with 0 of the back, mm; the mean
+    by a quadrature that rounding limits."""
+    nodes, weights = _GAUSS
+    u, weight = (nodes + 1) / 2, weights / 2 * (nodes + 1)
+    turn = 2 * math.pi * np.arange(_TURN) / _TURN
+    x, y = at[0] + radius * np.outer(u, np.cos(turn)), at[1] + radius * np.outer(u, np.sin(turn))
+    mean = float(weight @ heights(design, number, x, y).mean(axis=1))
+    rim = heights(design, number, at[0] + radius * np.cos(turn), at[1] + radius * np.sin(turn))
+    middle = float(heights(design, number, np.array([at[0]]), np.array([at[1]]))[0])
+    return mean, max(float(rim.max()), middle), min(float(rim.min()), middle)
 
 
 def hole_block(placed: Placed) -> Loop:

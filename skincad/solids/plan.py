@@ -254,13 +254,15 @@ class RevolvedBody:
     holes: tuple[Loop, ...] = ()
     grid: Grid | None = None
     role: CutRole | None = None  # where it is a cut
+    buried: float = 0.0  # mm3 of it, in the body that it is added to: they don't count
     axis: ClassVar[Literal["turn"]] = "turn"
 
     @property
     def volume(self) -> float:
-        """Moment of the area about the axis times the angle, mm3: Pappus's second theorem."""
+        """Moment of the area about the axis times the angle, less what is buried, mm3: Pappus's second
+        theorem."""
         moment = self._moment(self.outline) - math.fsum(self._moment(h) for h in self.holes)
-        return abs(moment) * (self.high - self.low)
+        return abs(moment) * (self.high - self.low) - self.buried
 
     def _moment(self, outline: Loop) -> float:
         area, _, first = curves.moments(outline)
@@ -428,7 +430,7 @@ class Part:
     cuts: tuple[Body, ...] = ()
     end: End | None = None  # that it belongs to
     straight: Part | None = None  # whose section along y rules judge, where the part itself is bent
-    adds: tuple[TurnedBody, ...] = ()
+    adds: tuple[TurnedBody | RevolvedBody, ...] = ()
 
     @property
     def made(self) -> MadeBy:

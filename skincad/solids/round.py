@@ -31,6 +31,7 @@ from skincad.shape.curves import Point, flipped, right_half
 from skincad.shape.skin import Section, summit
 from skincad.solids.bone import bone_parts
 from skincad.solids.cavity import cavity, negative
+from skincad.solids.kind import kind_of
 from skincad.solids.layout import STOCK, Layout
 from skincad.solids.lids import (
     backing,
@@ -50,9 +51,9 @@ EJECT = 2.5  # mm, assumption: radius of the hole for a rod that pushes the disc
 
 
 def check_round(design: Design) -> Iterator[InputError]:
-    """Yield an error for each thing that the mold of a round skin can't be; none for another."""
+    """Yield an error for each thing that the mold of a round skin can't be, and for a block of another's."""
     choice = design.mold
-    if not design.skin.round:
+    if kind_of(design).ends:
         if choice.block_process is not None:
             rule = "must not be given for a skin that is not round, whose block is its cavity"
             yield InputError("mold.block_process", rule, choice.block_process, "leave it out")
@@ -70,7 +71,7 @@ def check_round(design: Design) -> Iterator[InputError]:
 
 def lids_layout(design: Design, place: Layout) -> Layout:
     """Return the layout as carrier, cover and seal see it: silicone ends at the skin's rim."""
-    return place._replace(end=design.skin.width / 2) if design.skin.round else place
+    return place._replace(end=design.skin.width / 2) if not kind_of(design).ends else place
 
 
 def round_parts(design: Design, shape: Section, place: Layout) -> list[Part]:

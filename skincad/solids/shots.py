@@ -3,7 +3,8 @@
 The layer in front is poured first, into the cavity with its shims. A plug lies in the carrier's place
 meanwhile, with the negative of all that is poured behind that layer; it lifts straight off. The last plug is
 the thinnest. At last the carrier goes on, over the layer at the back. A shot that is laid wet on wet needs no
-plug: its face is level, and what is poured before it is weighed.
+plug: its face is level, and what is poured before it is weighed. The mold of a doubly curved skin is closed
+over each plug, and each layer comes in through a gate of its own.
 
 A plug is one clearance smaller than the trough all round, through which air leaves; its vent lies under the
 cover's cup. Rivets are pegs on a plug that widen from it: silicone stretches over their heads as the plug
@@ -15,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -25,13 +27,14 @@ from skincad.inputs.design import Design
 from skincad.inputs.guards import face_heights, shoulder
 from skincad.inputs.material import layers, silicone
 from skincad.inputs.skin_tables import Shot
-from skincad.shape.curves import Loop, Point, Segment, polygon, right_half
+from skincad.shape.curves import Loop, Point, Segment, flipped, polygon, right_half
 from skincad.shape.shots import face, heights
 from skincad.shape.skin import Section
 from skincad.solids.bone import cut_of
-from skincad.solids.layout import EDGE, Layout
+from skincad.solids.kind import kind_of
+from skincad.solids.layout import EDGE, Layout, ends_rise
 from skincad.solids.lids import core_bores, core_pins, openings, pull_threads, vent_bore
-from skincad.solids.pins import pockets
+from skincad.solids.pins import over_disc, pocket_cuts, pockets
 from skincad.solids.plan import Body, Bore, ExtendedCut, Part, PartRole, Prism, RevolvedBody, TurnedBody, disc
 from skincad.solids.skin import along_skin
 from skincad.solids.split import path
@@ -43,8 +46,6 @@ LEAST_LAYER = 0.5  # mm, assumption: a thinner one tears as a plug is pulled, an
 SAFE_SHARE = 0.2  # of the elongation at break, as the undercut rule has it (cavity.py)
 SUNK = 0.2  # mm, by which what is added to a plug goes into it
 CHORD = 1e-3  # mm, of faces and outlines that distances are measured to
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
-_TURN = 32
 
 
 def behind(design: Design, number: int) -> Prism | RevolvedBody | TurnedBody:
@@ -58,21 +59,13 @@ def behind(design: Design, number: int) -> Prism | RevolvedBody | TurnedBody:
 
 def room(design: Design, number: int) -> Part:
     """Return what is cast behind the face of shot `number`: without pockets and a bone."""
-    holes = (_up_to(design, number, bore) for bore in pockets(design))
-    return Part(f"shot-{number}", PartRole.SKIN, behind(design, number), (*holes, *cut_of(design)))
-
-
-def _up_to(design: Design, number: int, pocket: Bore) -> Bore | ExtendedCut:
-    """What of a pocket lies behind a shot's face; it is built beyond a face that it goes through."""
-    if not _passes(design, number, pocket):
-        return pocket
-    mean, top = _over_disc(design, number, pocket.start[:2], pocket.radius)
-    return ExtendedCut(replace(pocket, length=mean), replace(pocket, length=max(pocket.length, top + SUNK)))
+    cuts = (*pocket_cuts(design, number=number), *cut_of(design))
+    return Part(f"shot-{number}", PartRole.SKIN, behind(design, number), cuts)
 
 
 def _passes(design: Design, number: int, pocket: Bore) -> bool:
     """Whether a pocket goes through a shot's face."""
-    return pocket.length > _over_disc(design, number, pocket.start[:2], pocket.radius)[0]
+    return pocket.length > over_disc(design, number, pocket.start[:2], pocket.radius)[0]
 
 
 def bond_of(shot: Shot) -> str:
@@ -86,65 +79,73 @@ def plugged(design: Design) -> list[int]:
     return [number for number in range(len(shots), 0, -1) if bond_of(shots[number - 1]) != "wet"]
 
 
-def plugs(design: Design, shape: Section, place: Layout) -> list[list[Part]]:
+class Blank(NamedTuple):
+    """A plug without bores and pegs: its plate with what is under it, or both in one body; by how much its
+    vent stands further in than the carrier's, mm; and the section that rules judge, where it is bent."""
+
+    body: Prism
+    adds: tuple[TurnedBody | RevolvedBody, ...] = ()
+    inset: float = 0.0
+    straight: Prism | None = None
+
+
+def plugs(
+    design: Design, shape: Section, place: Layout, blank: Callable[[Design, Layout, int], Blank]
+) -> list[list[Part]]:
     """Return the plugs, ridges down as the mold has them, each with the core pins that stand in it; `design`
-    is what is poured, `place` the layout as the lids see it. Raises InputError where rivets find no room."""
+    is what is poured, `place` the layout as the lids see it, `blank` gives a plug's by its shot. Raises
+    InputError where rivets find no room."""
     deep = {number: [_passes(design, number, bore) for bore in pockets(design)] for number in plugged(design)}
     return [
-        [_plug(design, shape, place, number), *(core_pins(design, place) if any(passing) else ())]
+        [
+            _plug(design, shape, place, number, blank(design, place, number)),
+            *(core_pins(design, place) if any(passing) else ()),
+        ]
         for number, passing in deep.items()
     ]
 
 
-def _plug(design: Design, shape: Section, place: Layout, number: int) -> Part:
+def _plug(design: Design, shape: Section, place: Layout, number: int, blank: Blank) -> Part:
     """A plate on the carrier's ledge with the shots' negative under it. Core pins of pockets that go through
     the shot's face stand in it as they do in the carrier."""
-    gap = design.mold.clearance
-    wide, half = place.trough - gap, design.skin.width / 2 - gap
-    adds = tuple(_rivets(design, shape, place, number))
+    adds = (*blank.adds, *_rivets(design, shape, place, number))
     vent, cup = vent_bore(design, place), openings(design, place).cup
-    if design.skin.round:
-        x, y, z = vent.start  # of the carrier, whose vent is at the very rim
-        vent = replace(vent, start=(x, y - gap - EDGE / 2, z))
-        body, adds = disc(wide, 0.0, place.back), (_core(design, number, half), *adds)
-    else:
-        body = Prism(_outline(design, place, number, (wide, half)), "y", gap - place.end, place.end - gap)
+    x, y, z = vent.start
+    vent = replace(vent, start=(x, y - blank.inset, z))
     passing = [_passes(design, number, pocket) for pocket in pockets(design)]
     cores = [core for core, deep in zip(core_bores(design, place), passing, strict=False) if deep]
     filled = [(vent.start, vent.radius), (cup.start, cup.radius)]
     filled += [(core.start, core.radius + EDGE / 2) for core in cores]
     through = (_through(design, number, bore) for bore in (vent, *cores))
     cuts: tuple[Body, ...] = (*through, *pull_threads(design, place, filled))
-    return Part(f"plug-{number}", PartRole.PLUG, body, cuts, adds=adds)
+    name, role, alike = f"plug-{number}", PartRole.PLUG, blank.straight
+    return Part(name, role, blank.body, cuts, adds=adds, straight=Part(name, role, alike) if alike else None)
 
 
-def _outline(design: Design, place: Layout, number: int, halves: tuple[float, float]) -> Loop:
-    """A plug's section, ridges down: `halves` mm of its plate and of what is under it."""
-    wide, half = halves
-    (line,) = face(design, number, half)
-    low = Segment(Point(line.end.x, -line.end.z), Point(line.start.x, -line.start.z), line.bulge)
+def straight_blank(design: Design, place: Layout, number: int) -> Blank:
+    """Return a straight plug's plate and what is under it, in one section."""
+    gap = design.mold.clearance
+    wide, half = place.trough - gap, design.skin.width / 2 - gap
     rim = [Point(half, 0.0), Point(wide, 0.0), Point(wide, place.back)]
     rim += [Point(-wide, place.back), Point(-wide, 0.0), Point(-half, 0.0)]
-    return (low, *path([low.end, *rim, low.start]))
+    return Blank(Prism(under(design, number, rim), "y", gap - place.end, place.end - gap))
 
 
-def _core(design: Design, number: int, half: float) -> TurnedBody:
-    """What is under the plate of a round plug, sunk into it: touching faces would leave a film in a mesh."""
-    (line,) = face(design, number, half)
-    walls = path([line.end, Point(-half, -SUNK), Point(half, -SUNK), line.start])
+def round_blank(design: Design, place: Layout, number: int) -> Blank:
+    """Return a round plug's disc, and what is under it; the carrier's vent is at the very rim."""
+    gap = design.mold.clearance
+    half = design.skin.width / 2 - gap
+    sunk = flipped(under(design, number, [Point(half, SUNK), Point(-half, SUNK)]))
     buried = math.pi * half**2 * SUNK
-    return TurnedBody(right_half((*walls, line)), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), buried)
+    core = TurnedBody(right_half(sunk), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), buried)
+    return Blank(disc(place.trough - gap, 0.0, place.back), (core,), gap + EDGE / 2)
 
 
-def _over_disc(design: Design, number: int, at: tuple[float, float], radius: float) -> tuple[float, float]:
-    """Mean and largest height of a shot's face over a disc, mm; by a quadrature that rounding limits."""
-    u, weight = (_NODES + 1) / 2, _WEIGHTS / 2 * (_NODES + 1)
-    turn = 2 * math.pi * np.arange(_TURN) / _TURN
-    x, y = at[0] + radius * np.outer(u, np.cos(turn)), at[1] + radius * np.outer(u, np.sin(turn))
-    mean = float(weight @ heights(design, number, x, y).mean(axis=1))
-    rim = at[0] + radius * np.cos(turn), at[1] + radius * np.sin(turn)
-    top = max(float(heights(design, number, *rim).max()), float(heights(design, number, *_at(at)).max()))
-    return mean, top
+def under(design: Design, number: int, rim: list[Point]) -> Loop:
+    """Return what is under a plug's plate, ridges down: the shot's face, and a `rim` from right to left."""
+    (line,) = face(design, number, rim[0].x)
+    low = Segment(Point(line.end.x, -line.end.z), Point(line.start.x, -line.start.z), line.bulge)
+    return (low, *path([low.end, *rim, low.start]))
 
 
 def _at(at: tuple[float, float]) -> tuple[Array, Array]:
@@ -154,7 +155,7 @@ def _at(at: tuple[float, float]) -> tuple[Array, Array]:
 def _through(design: Design, number: int, bore: Bore) -> ExtendedCut:
     """A bore of the carrier, from a shot's face up. It is built from below that face, whatever its curve, to
     above the plug: at the same height a film of rounding would stay."""
-    mean, top = _over_disc(design, number, bore.start[:2], bore.radius)
+    mean, top, _ = over_disc(design, number, bore.start[:2], bore.radius)
     counts = replace(bore, start=(*bore.start[:2], -mean), length=bore.length + mean)
     low = top + SUNK
     return ExtendedCut(counts, replace(bore, start=(*bore.start[:2], -low), length=bore.length + low + SUNK))
@@ -170,7 +171,7 @@ def _rivets(design: Design, shape: Section, place: Layout, number: int) -> Itera
     room = _room_in_front(design, shape, number)
     found = 0
     for x, y in openings(design, place).rivets:
-        across = math.hypot(x, y) if design.skin.round else x
+        across = kind_of(design).apart(x, y)[0]
         deep = next((d for d in np.arange(DEEP, LEAST_DEEP - 1e-9, -0.1).tolist() if room(across, d)), None)
         if deep is not None:
             found += 1
@@ -202,7 +203,7 @@ def _room_in_front(design: Design, shape: Section, number: int) -> Callable[[flo
 
 def _peg(design: Design, number: int, at: tuple[float, float], deep: float, head: float) -> TurnedBody:
     """A peg from inside a plug down: a cylinder as far as the face's curve goes, then a cone to its head."""
-    mean, top = _over_disc(design, number, at, NECK)
+    mean, top, _ = over_disc(design, number, at, NECK)
     level = float(heights(design, number, *_at(at))[0])
     sunk, out = SUNK + level - mean, max(0.05, top - level + 0.02)
     corners = [Point(0.0, -sunk), Point(NECK, -sunk), Point(NECK, out), Point(head, deep), Point(0.0, deep)]
@@ -216,13 +217,15 @@ def check_shots(design: Design) -> Iterator[InputError]:
     shots = design.shot or ()
     if not shots:
         return
-    if design.mold.pour == "syringe" or design.mold.gate is not None:
+    rise = ends_rise(design)
+    if rise == 0.0 and (design.mold.pour == "syringe" or design.mold.gate is not None):
         key, value = ("mold.pour", design.mold.pour) if design.mold.pour else ("mold.gate", design.mold.gate)
         rule = "must not be given with [[shot]], whose layers are poured one by one into the open mold"
         yield InputError(key, rule, value, "leave it out")
-    if design.skin.curvature_radius_y is not None:
-        rule = "must not be given with [[shot]]: no plug is made for a doubly curved mold"
-        yield InputError("skin.curvature_radius_y", rule, design.skin.curvature_radius_y, "drop [[shot]]")
+    if rise > 0.0 and any(bond_of(shot) == "wet" for shot in shots):
+        rule = "must not be 'wet' in a doubly curved skin: a liquid's face is level, and this one rises by "
+        rule += f"{rise:.3g} mm to the ends"
+        yield InputError("shot.bond", rule, "wet", "take 'primer' or 'rivets'")
     below, key, value = (0.0, 0.0), "", None
     for number, shot in enumerate(shots, 1):
         key, value = ("thickness", shot.thickness) if shot.depth is None else ("depth", shot.depth)
@@ -237,7 +240,7 @@ def check_shots(design: Design) -> Iterator[InputError]:
         yield InputError(f"shot.{key}", rule, value, "a thicker layer in front")
     for number in range(1, len(shots) + 1):
         for pocket in pockets(design):
-            mean, top = _over_disc(design, number, pocket.start[:2], pocket.radius)
+            mean, top, _ = over_disc(design, number, pocket.start[:2], pocket.radius)
             low = 2 * mean - top
             if low - LEAST_LAYER < pocket.length < top + LEAST_LAYER:
                 rule = f"must end {LEAST_LAYER:g} mm before or beyond shot {number}'s face, at {mean:.4g} mm"

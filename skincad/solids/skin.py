@@ -16,7 +16,8 @@ from skincad.shape import curves
 from skincad.shape.curves import Loop, Point, flipped
 from skincad.shape.skin import Section, section
 from skincad.solids.bone import cut_of, lifted
-from skincad.solids.pins import SUNK, cast, pins, pockets
+from skincad.solids.kind import kind_of
+from skincad.solids.pins import SUNK, cast, pins, pocket_cuts
 from skincad.solids.plan import (
     Axis,
     Body,
@@ -49,7 +50,7 @@ def skin_part(design: Design) -> Part:
     shape = section(design)
     slots = tuple(s.loop() for s in shape.slots)
     body = along_skin(design, shape.outline, slots)
-    cuts: tuple[Body, ...] = (*pockets(design), *cut_of(design))
+    cuts: tuple[Body, ...] = (*pocket_cuts(design), *cut_of(design))
     return Part("skin", PartRole.SKIN, body, cuts, adds=pins(design, shape))
 
 
@@ -59,7 +60,7 @@ def cast_skin(design: Design, shape: Section | None = None) -> Part:
     slots = tuple(flipped(s.loop()) for s in shape.slots)
     body = along_skin(design, flipped(shape.outline), slots, -1.0)
     adds = tuple(cast(pin) for pin in pins(design, shape))
-    cuts: tuple[Body, ...] = (*pockets(design, -1.0), *cut_of(design, -1.0))
+    cuts: tuple[Body, ...] = (*pocket_cuts(design, -1.0), *cut_of(design, -1.0))
     return Part("skin", PartRole.SKIN, body, cuts, adds=adds)
 
 
@@ -69,15 +70,15 @@ def along_skin(
     """Return the section's loop swept along the skin's length, `up` = -1 where the ridges point down; of a
     round skin turned about z.
 
-    A doubly curved skin turns about the axis curvature_radius_y below the base circle's summit; `length` is
+    A doubly curved skin turns about the axis that lies its radius below the base circle's summit; `length` is
     the arc of that summit.
     """
-    skin, half = design.skin, design.skin.length / 2
-    radius = skin.curvature_radius_y
-    if skin.round:
+    skin, half, kind = design.skin, design.skin.length / 2, kind_of(design)
+    if not kind.ends:
         return TurnedBody(curves.right_half(outline), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
-    if radius is None:
+    if not kind.leans:
         return Prism(outline, "y", -half, half, holes)
+    radius = skin.radius_y
     return RevolvedBody(outline, up * (skin.thickness - radius), -half / radius, half / radius, holes)
 
 

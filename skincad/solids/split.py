@@ -106,9 +106,7 @@ def notch_rise(design: Design, slots: Iterable[SensorPlace]) -> float:
     A notch is straight, so it is higher and wider by that. Its datum stays: the shim is an arc as stiff as a
     blade, and touches one side of a notch at the plate's inner face and the other one at its outer face.
     """
-    if design.skin.curvature_radius_y is None:
-        return 0.0
-    arm, thick = design.skin.curvature_radius_y - design.skin.thickness, design.mold.end_plate
+    arm, thick = design.skin.back_radius, design.mold.end_plate
     arm += min((p.z for slot in slots for p in _corners(slot, design.mold.slit_clearance)), default=0.0)
     return thick**2 / (arm + math.sqrt(arm**2 - thick**2))
 

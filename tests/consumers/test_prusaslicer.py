@@ -38,6 +38,9 @@ pytestmark = pytest.mark.skipif(bool(prusaslicer.missing()), reason=prusaslicer.
         pytest.param("plain-ridges", [], marks=pytest.mark.slow),
         consumed("plain-ridges", ["mold.cavities=3"]),
         consumed("nozzle-04", ["ridge.count=3", "skin.width=22", "skin.length=20"]),
+        consumed(
+            "plain-ridges", ["skin.curvature_radius_y=60", "shot=[{name='dragon-skin-30',thickness=1.5}]"]
+        ),
         *(consumed(name, []) for name in ("lab-bench", "rings-5", "pillars-9")),
     ],
 )
@@ -48,7 +51,7 @@ def test_every_plate_is_sliced_and_lies_on_its_bed(name: str, settings: list[str
     skincad.write(result, tmp_path / "out", formats="3mf")
     job = result.built().job
     plates = print_plates(job)
-    printed = [p.name for p in job.closed.parts if p.made == "made" and job.process(p).layer]
+    printed = [p.name for p in job.closed.made if job.process(p).layer]
     assert sorted(spot.name for plate in plates for spot in plate.spots) == sorted(printed)
     for plate in plates:
         path, process = tmp_path / "out" / plate.file, job.processes[plate.process]

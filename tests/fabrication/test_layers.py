@@ -24,7 +24,8 @@ from skincad.fabrication.pouring import (
 )
 from skincad.fabrication.strips import strip_count
 from skincad.inputs import Design, silicones
-from skincad.solids import skin_part
+from skincad.solids import CutRole, bores, skin_part
+from tests.solids.kinds import bowl_of_layers
 
 QUICK = {"name": "dragon-skin-10", "young_modulus": None}
 CORE = {"name": "dragon-skin-30", "thickness": 1.0}
@@ -48,6 +49,37 @@ def test_pours_fill_the_mold_once() -> None:
     for pour in made:
         assert pour.mass == pytest.approx(pour.filled * pour.silicone.density * 1e-6)
         assert pour.batch == pour.mass + DEAD_VOLUME
+
+
+def test_each_layer_of_a_bowl_is_pressed_in_through_its_gate() -> None:
+    """What each pour fills besides its layer: the first a plug's vent, the cup and a gate. End plates are
+    screwed on each time, over a plug that they lean over."""
+    job = Job(bowl_of_layers({**CORE, "thickness": 1.5}))
+    made = pours(job)
+    skin, plate = job.closed.parts[0].volume, job.cast.mold.end_plate
+    assert math.fsum(pour.volume for pour in made) == pytest.approx(skin, rel=1e-12)
+    assert made[1].volume == pytest.approx(_turned_box(job, 1.5 / (1 - job.shrinkage)), rel=1e-12)
+    (vent,) = bores(job.closed.part("plug-1"), CutRole.VENT)
+    (cup,) = bores(job.closed.part("cover"), CutRole.RESERVOIR)
+    gate = math.pi * job.gate**2 / 4 * plate
+    assert made[0].filled - made[0].volume == pytest.approx(vent.volume + cup.volume + gate, rel=1e-12)
+    assert made[1].filled == pytest.approx(made[1].volume + poured_volume(job) - skin, rel=1e-12)
+    for pour in made:
+        assert [task.step for task in timeline(job, pour)].count("ends") == 1
+    steps = sheet_steps(job)
+    assert "through gate 1 of 2 from below at end a" in steps["fill the layer in front"]
+    assert "through gate 2 of 2 from below" in steps["fill shot 1"]
+    assert "push them up off the combs" in steps["cure the layer in front"]
+    order = ["combs", "brush", "ends the layer in front", "cure the layer in front", "ends shot 1", "cure"]
+    assert [name for name in steps if name in order] == order
+    assert filling(job).force <= 30.0
+
+
+def _turned_box(job: Job, high: float) -> float:
+    """What is `high` mm thick behind a level face: width times the sector between two arcs, mm3."""
+    skin = job.cast.skin
+    arm = skin.curvature_radius_y - skin.thickness
+    return skin.width * skin.length / skin.curvature_radius_y * high * (arm + high / 2)
 
 
 def test_one_silicone_is_one_pour() -> None:

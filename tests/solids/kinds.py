@@ -34,6 +34,20 @@ def stem(high: float = 2.0) -> cq.Workplane:
     return block.faces("<Z").workplane().rect(*STEM[:2]).extrude(STEM[2])
 
 
+def saddle(radius: float, high: float = 2.0) -> cq.Workplane:
+    """The same, longer, for a back of that radius along y."""
+    block = cq.Workplane("XY").box(8, 10, high + 2.0).translate((0, 0, high / 2 - 1.0))
+    under = cq.Workplane("YZ").circle(radius).extrude(20, both=True).translate((0, 0, -radius))
+    block = block.cut(under)
+    behind = cq.Workplane("XY").box(*STEM[:2], 14.5, centered=(True, True, False))
+    return block.union(behind.translate((0, 0, -14.0)))
+
+
+def lab_bowl() -> Design:
+    """Three ridges on 8 mm, curved along y by 60 mm."""
+    return skincad.load("lab-bench", ["ridge.count=3", "skin.curvature_radius_y=60.0"])
+
+
 def plate(wide: float = PLATE[0], long: float = PLATE[1]) -> cq.Workplane:
     """A plate that ends at the back, with two holes for pins and two for rivets."""
     block = cq.Workplane("XY").box(wide, long, PLATE[2], centered=(True, True, False))
@@ -57,6 +71,16 @@ def many_locked() -> Design:
     skin = {"curvature_radius": 8.0, "width": 10.5, "thickness": 4.0}
     ridge = {"count": 7, "height": 1.2, "pitch": 1.3, "root_width": 0.5, "tip_width": 0.5}
     return skincad.load("steep-fingertip").with_(skin=skin, ridge=ridge, slot=None, mold={"floor": 14.0})
+
+
+def bowl_of_layers(*shots: dict[str, Any]) -> Design:
+    """Three ridges on a skin that is curved along y too, in layers."""
+    return bent("yamada-2002", 60.0, *FEW).with_(shot=shots)
+
+
+def deep_bowl() -> Design:
+    """A thick skin without slots, curved along y too."""
+    return bent("plain-ridges", 60.0, "ridge.count=3").with_(skin={"thickness": 7.0, "length": 20.0})
 
 
 def round_flat() -> Design:
@@ -106,11 +130,26 @@ KINDS: dict[str, Callable[[Path], Design]] = {
         pin={"pocket": {"diameter": 1.6, "depth": 2.5}}, shot=(LEVEL,)
     ),
     "layers over pockets": lambda _: designs.flat().with_(shot=({**STIFF, "depth": 1.2},)),
+    "layers in a bowl": lambda _: bowl_of_layers({**STIFF, "thickness": 1.5}),
+    "layers with rivets in a bowl": lambda _: deep_bowl().with_(
+        shot=({**STIFF, **RIVETS, "thickness": 2.0}, {**STIFF, "depth": 2.5})
+    ),
+    "layers over pins on a dome": lambda _: designs.dome().with_(
+        pin={"rings": 2}, shot=({**STIFF, "thickness": 1.5},)
+    ),
+    "pockets in a bowl": lambda _: designs.flat().with_(skin={"curvature_radius_y": 40.0}),
+    "pockets through layers in a bowl": lambda _: designs.flat().with_(
+        skin={"curvature_radius_y": 40.0, "thickness": 5.0}, shot=({**STIFF, "thickness": 1.5},)
+    ),
     "bone": lambda folder: boned(folder, stem()),
     "bone on pins": lambda folder: boned(folder, plate(), bone_bond="rivets"),
     "turned bone": lambda folder: boned(folder, stem(), bone_at=[2.0, 1.0, 0.0], bone_turn=[0.0, 0.0, 90.0]),
     "bones of a gang": lambda folder: boned(folder, stem(), cavities=2),
     "bone behind a layer": lambda folder: boned(folder, stem()).with_(shot=({**HARD, "thickness": 3.0},)),
+    "bone in a bowl": lambda folder: boned(folder, saddle(52.0), lab_bowl()),
+    "bone behind a layer in a bowl": lambda folder: boned(folder, saddle(52.0), lab_bowl()).with_(
+        shot=({**HARD, "thickness": 4.0},)
+    ),
     "bone in a round skin": lambda folder: boned(folder, stem(), wide_rings()),
     "bone on pins in a round skin": lambda folder: boned(
         folder, plate(), wide_rings().with_(shot=({**HARD, "thickness": 2.6},))

@@ -23,7 +23,7 @@ from skincad.solids import CutRole, PartRole, bone_of, lid_process, pinned, skin
 from skincad.solids.mold import mold
 from tests.designs import pillars
 from tests.refusals import refused_command
-from tests.solids.kinds import PLATE, STEM, boned, plate, stem, wide_rings
+from tests.solids.kinds import PLATE, STEM, boned, lab_bowl, plate, saddle, stem, wide_rings
 
 
 def bare() -> Design:
@@ -121,6 +121,36 @@ def test_a_bone_in_a_layered_skin_stands_in_the_layer_at_the_back(tmp_path: Path
     assert plain[1].volume - back.volume == pytest.approx(160.0, rel=1e-6)
     with pytest.raises(InputError, match=r"mold.bone_at: leaves 0 mm of silicone round the bone"):
         mold(boned(tmp_path, stem(3.2)).with_(shot=(shot,)))
+
+
+def test_a_skin_in_a_bowl_is_cast_on_a_bone_whose_shoulder_follows_its_back(tmp_path: Path) -> None:
+    """In front of the back lies its block of 8 x 10 x 2 mm and what the back falls away under it: a sector
+    less a triangle. Distances are measured as it turns: its top corner is nearest to the face, at y = 5."""
+    arm, half = 52.0, 5.0
+    angle = math.asin(half / arm)
+    under = 2 * half * arm - arm**2 * angle - half * arm * math.cos(angle)
+    design = boned(tmp_path, saddle(arm), lab_bowl())
+    bone = bone_of(design)
+    assert bone.inside == pytest.approx(8.0 * (10.0 * 2.0 + under), rel=1e-9)
+    assert skin_part(lab_bowl()).volume - skin_part(design).volume == pytest.approx(bone.inside, rel=1e-9)
+    assert bone.levels.max() == pytest.approx(math.hypot(half, arm + 2.0) - arm, abs=1e-9)
+    assert bone.printed
+    closed = mold(design)
+    (window,) = (cut for cut in closed.part("carrier").cuts if cut.role is CutRole.WINDOW)
+    assert window.built.low < window.counts.low
+
+
+def test_silicone_at_a_bowls_leaning_ends_is_measured_along_their_planes(tmp_path: Path) -> None:
+    """The distance of the bone's corners, in front of the back, from the plane of the skin's end, which goes
+    through the axis; the rule measures along the back's arc, so up to a tenth less over 5 mm of skin."""
+    design = boned(tmp_path, saddle(52.0), lab_bowl(), bone_at=[0.0, 5.2, 0.0])
+    with pytest.raises(InputError, match=r"leaves ([\d.]+) mm of silicone round the bone") as refused:
+        mold(design)
+    bone, half = bone_of(design), 12.0 / 60.0
+    _, y, z = bone.corners[bone.levels > 0.0].T
+    apart = float((math.sin(half) * (52.0 + z) - math.cos(half) * y).min())
+    told = float(str(refused.value).partition("leaves ")[2].partition(" mm")[0])
+    assert 0.9 * apart - 0.01 <= told <= apart + 0.01  # its chords
 
 
 @pytest.mark.parametrize(
@@ -324,14 +354,16 @@ def test_a_pipe_is_not_waited_for_and_a_file_that_nests_without_end_not_read(tmp
         (STRAIGHT, {}, "mold.bone: has no shoulder at the back"),
         (BLOCK, {}, "mold.bone: ends at the back"),
         (stem(), {"bone_bond": "rivets"}, "mold.bone_bond: 'rivets' need a round hole"),
-        (stem(), {"base": "pins-dome"}, "skin.curvature_radius_y: must not be given with mold.bone"),
+        (stem(), {"base": "bowl"}, "mold.bone: stands on the bent back by 9.6. mm2, and leaves a wedge"),
+        (plate(), {"base": "bowl"}, "mold.bone: ends at the back, which is bent along y"),
+        (saddle(52.0), {"base": "bowl", "bone_at": [0.0, 5.2, 0.0]}, "mold.bone_at: leaves 0.2"),
         (stem(), {"bone_at": [0.0, -6.0, 0.0], "vent": 2.0}, "mold.bone_at: reaches behind the back where"),
         # the block ends at y = -5 mm, the pocket of the pin at y = -6 begins 0.7 mm before its axis
         (stem(), {"base": "pillars-9"}, r"pin.pocket: leaves 0.3 mm of silicone beside the bone at \(0,"),
     ],
 )  # fmt: skip
 def test_what_a_bone_cannot_be(tmp_path: Path, shape: Any, keys: dict[str, Any], refusal: str) -> None:
-    base = skincad.load(keys["base"]) if "base" in keys else None
+    base = keys.get("base") and (lab_bowl() if keys["base"] == "bowl" else skincad.load(keys["base"]))
     keys = {key: value for key, value in keys.items() if key != "base"}
     with pytest.raises(InputError, match=refusal):
         mold(boned(tmp_path, shape, base, **keys))

@@ -19,7 +19,7 @@ import skincad
 from skincad.base import InputError
 from skincad.fabrication import interference, manifold
 from skincad.inputs import Design
-from skincad.shape import section, skin_of
+from skincad.shape import heights, section, skin_of
 from skincad.solids import (
     Bore,
     ClosedMold,
@@ -27,9 +27,11 @@ from skincad.solids import (
     Part,
     PartRole,
     Prism,
+    RevolvedBody,
     RotatedBody,
     gap_beside,
     notch_rise,
+    room,
     scaled_for_shrinkage,
     solid,
     unturned,
@@ -38,6 +40,7 @@ from skincad.solids import (
 from skincad.solids.mold import mold
 from tests.conftest import files_into
 from tests.designs import bent, three_ridges
+from tests.solids.kinds import FEW, KINDS, STIFF, bowl_of_layers, few_ridges
 
 RADII = (60.0, 25.0)
 CROWNS = pytest.mark.evidence(subject="seeds: flat crowns")
@@ -161,6 +164,35 @@ def test_it_tends_to_the_straight_mold(yamada: Design) -> None:
     assert bore.volume == pytest.approx(math.pi * 4 * (1.44 + 1.2 * foot + foot**2) / 3, rel=1e-8)  # 4 / 1e9
 
 
+def test_a_plug_tends_to_the_straight_one() -> None:
+    """Its core ends 0.02 mm before its plate does at either end, 1e-3 of it; what the back falls away under
+    it is as much as its face does."""
+    shot = {**STIFF, "thickness": 1.5}
+    far = mold(bent("yamada-2002", 1e4, *FEW).with_(shot=(shot,))).part("plug-1")
+    straight = mold(few_ridges(shot=(shot,))).part("plug-1")
+    assert far.volume == pytest.approx(straight.volume, rel=2e-3)
+    cast, gap = scaled_for_shrinkage(few_ridges(shot=(shot,))), few_ridges().mold.clearance
+    box = (cast.skin.width - 2 * gap) * (cast.skin.length - 2 * gap - 0.04) * cast.shot[0].thickness
+    assert far.adds[0].volume == pytest.approx(box, rel=1e-3)  # an arc of 12 mm about 10 m
+
+
+@pytest.mark.evidence(subject="layers in a bowl: files")
+def test_files_of_layers_in_a_bowl_read_back(tmp_path: Path) -> None:
+    """STEP keeps 1e-9 of a volume; each mesh is closed and within its chord."""
+    design = bowl_of_layers({**STIFF, "thickness": 1.5})
+    result = files_into(design, tmp_path / "out", ["step", "stl", "3mf"])
+    closed = mold(design)
+    assert "plug-1" in [part.name for part in result.parts]
+    for part in result.parts:
+        assert part.valid
+        assert part.watertight
+        assert part.self_intersections == 0
+        assert part.deviation <= part.asked_deviation
+        again = cq.importers.importStep(str(result.folder / f"solids/{part.name}.step")).val()
+        assert again.isValid()
+        assert volume(closed.part(part.name), again) == pytest.approx(part.volume, rel=1e-9)
+
+
 @pytest.mark.slow
 def test_nothing_interferes_by_sampled_positions(closed: ClosedMold, meshes: dict[str, Manifold]) -> None:
     """Independent of the swept shapes: each part moved a little, and on, against all that is still there."""
@@ -177,13 +209,58 @@ def test_nothing_interferes_by_sampled_positions(closed: ClosedMold, meshes: dic
                     assert (placed ^ still).volume() < 1e-7, (name, other, share)
 
 
+@pytest.mark.parametrize("name", ["layers in a bowl", "layers with rivets in a bowl"])
+def test_plugs_lift_off_their_layers_and_keepers_off_their_combs(name: str, tmp_path: Path) -> None:
+    """By sampled positions, against the layer in front too, as cast: less rivets, over which it stretches."""
+    design = KINDS[name](tmp_path)
+    for stage in mold(design).earlier:
+        there = {part.name: manifold(replace(part, adds=_cores(part)), FINE) for part in stage.parts}
+        (plug,) = (part.name for part in stage.of(PartRole.PLUG))
+        cast = scaled_for_shrinkage(design)
+        skin = manifold(mold(design).part("skin"), FINE)
+        there["layer"] = skin - manifold(room(cast, int(plug[-1])), FINE).rotate((180.0, 0.0, 0.0))
+        for step in stage.opening:
+            moving = {part: there.pop(part) for part in step.parts}
+            for share in (1e-3, 0.02, 0.1, 0.3, 1.0):
+                for part, shape in moving.items():
+                    placed = _moved(stage, part, shape, step.axis, share * step.travel)
+                    for other, still in there.items():
+                        if {"layer", part, other} - {"layer", plug}:
+                            assert (placed ^ still).volume() < 1e-7, (part, other, share)
+                        else:  # chords of its face, within FINE of 60 to 280 mm2
+                            assert (placed ^ still).volume() < 280 * FINE, share
+        assert there.keys() >= {"cavity", "layer"}
+
+
+def _cores(part: Part) -> tuple[RevolvedBody, ...]:
+    return tuple(body for body in part.adds if isinstance(body, RevolvedBody))
+
+
+def test_each_layer_has_its_gate(tmp_path: Path) -> None:
+    """In the planes of the ends they open between the faces of their layer, each by 0.3 mm of it."""
+    for name in ("layers in a bowl", "layers with rivets in a bowl"):
+        design = scaled_for_shrinkage(KINDS[name](tmp_path))
+        shots = len(design.shot)
+        plates = [
+            part for part in mold(KINDS[name](tmp_path)).parts if part.name in ("end-a", "end-a-keeper")
+        ]
+        gates = [cut.body for cut in plates[0].cuts if cut.role is CutRole.GATE]
+        assert len(gates) == shots + 1
+        faces = [0.0, *(float(heights(design, n, np.zeros(1), np.zeros(1))[0]) for n in range(1, shots + 1))]
+        for gate, back, front in zip(gates, faces, [*faces[1:], design.skin.thickness], strict=True):
+            assert back + 0.3 - 1e-9 <= -gate.start[2] - gate.radius
+            assert -gate.start[2] + gate.radius <= front - 0.3 + 1e-9
+
+
 def _moved(closed: ClosedMold, name: str, shape: Manifold, way: object, travel: float) -> Manifold:
     if way == "turn":
         angle, centre = math.degrees(travel), axis(closed)
         return shape.translate((0, 0, -centre)).rotate((angle, 0, 0)).translate((0, 0, centre))
     body = closed.part(name).body
-    if way == "y" and isinstance(body, RotatedBody):
-        return shape.translate((0.0, travel * math.cos(body.angle), travel * math.sin(body.angle)))
+    if isinstance(body, RotatedBody):
+        along, up = (travel, 0.0) if way == "y" else (0.0, travel)
+        c, s = math.cos(body.angle), math.sin(body.angle)
+        return shape.translate((0.0, along * c - up * s, along * s + up * c))
     assert way == "z"
     return shape.translate((0.0, 0.0, travel))
 

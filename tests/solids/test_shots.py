@@ -117,7 +117,14 @@ def test_plugs_are_used_from_the_front_and_rivets_let_go() -> None:
         ("yamada-2002", {**STIFF, "thickness": 0.3}, {}, "shot.thickness: leaves shot 1 less than 0.5 mm"),
         ("yamada-2002", {**STIFF, "thickness": 3.2, "bond": "rivets"}, {}, "'rivets' need 0.9 mm"),
         ("flat-magnet", {**STIFF, "thickness": 2.2}, {}, "flat.pocket.depth: must end 0.5 mm before"),
-        ("pins-dome", LEVEL, {}, "skin.curvature_radius_y: must not be given with"),
+        ("pins-dome", LEVEL, {}, "skin.thickness: leaves 0.401 mm for the gate of shot 1, which needs 0.7"),
+        (
+            "pins-dome",
+            {**STIFF, "thickness": 2.0, "bond": "wet"},
+            {},
+            "shot.bond: must not be 'wet' in a dou",
+        ),
+        ("pins-dome", LEVEL, {"mold": {"pour": "open"}}, "mold.pour: must be 'syringe' in a doubly curved"),
         # a face that follows the base is not laid on wet
         ("yamada-2002", {**ARC, "bond": "wet"}, {}, r"shot\.1?\.?bond|bond: must not be 'wet'"),
     ],
