@@ -162,7 +162,8 @@ def package(
     source: options.DesignSource,
     settings: options.Settings = [],  # noqa: B006
     kinds: Annotated[
-        list[str], option("--for KIND", "mujoco, urdf, taxels or mesh; repeat for several; default: all.")
+        list[str],
+        option("--for KIND", "mujoco, urdf, taxels, mesh, usd; repeat for several; default: all."),
     ] = [],  # noqa: B006
     model: options.Model = "auto",
     mesh_prefix: Annotated[
@@ -181,8 +182,8 @@ def package(
 ) -> None:
     """Export the skin for other people's simulators.
 
-    MuJoCo model and scene, URDF, taxels with the films' response, meshes, and a model card that says what
-    each number rests on appear in the output folder.
+    MuJoCo model and scene, URDF, USD, taxels with the films' response, meshes, and a model card that says
+    what each number rests on appear in the output folder.
     """
     design = skincad.load(source, settings, **vars(workshop))
     target = out_folder(folder, Path(design.name, "package"), "package", ())

@@ -6,15 +6,17 @@ All lengths are divided by the pad's own unit first, so that a pad of twice the 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from netgen.geom2d import SplineGeometry
-from netgen.meshing import NgException
+from netgen.meshing import MeshingParameters, NgException
+from netgen.occ import Glue, OCCGeometry
 from scipy import optimize, spatial
 
 from skincad.base.arrays import Array, Index
@@ -31,6 +33,10 @@ GRADING_SHARES = (1.0, 0.85, 0.7, 0.5, 0.35, 0.25)  # of the asked grading, unti
 # Corner edges from a corner to a point with edges RAMP_EDGE times as long: without it netgen loses a corner's
 # size where its neighbours' are about 100 times that. Ridges' meshes stay as they were
 RAMP, RAMP_EDGE = 30, 8
+SOLID_GRADING, CURVATURE_SAFETY = (
+    0.5,
+    1.0,
+)  # of a solid's mesh: netgen's own are 0.3 and 2, four times as many
 FOCUS_EDGES = 9  # of contact segments from x = 0 to the focus's end
 SUMMIT_MARGIN = 0.05  # of a segment; a summit nearer to its end is left between two points
 
@@ -340,10 +346,14 @@ class PadPiece:
         return 2 if self.mirrored and not self.whole.revolved else 1
 
     @property
+    def along(self) -> float:
+        """The length for which a section counts, mm: along y, or of a turn by its own unit."""
+        return self.unit if self.whole.revolved else self.whole.length
+
+    @property
     def scale(self) -> float:
         """The force on the whole pad, N, for a force of 1 on the piece, in its units."""
-        along = self.unit if self.whole.revolved else self.whole.length
-        return self.whole.young_modulus * self.unit * along * self.sides
+        return self.whole.young_modulus * self.unit * self.along * self.sides
 
     @property
     def slots(self) -> tuple[SensorPlace, ...]:
@@ -439,3 +449,49 @@ def plain_mesh(pad: Pad, sizes: Sizes) -> PlainMesh:
     turned = ux * vz - uz * vx < 0
     corners[turned] = corners[turned][:, ::-1]
     return PlainMesh(points, corners, domain, {name: np.array(ends) for name, ends in edges.items()})
+
+
+@dataclass(frozen=True, eq=False)
+class SolidMesh:
+    """Straight tetrahedra of solids that share their faces: `points` `(p, 3)` mm, `corners` `(t, 4)` of them,
+    `domain` `(t,)` the place of the element's solid in the list, from 0, and of all faces the triangles
+    `walls` `(f, 3)`, each of the kernel's `face` `(f,)`."""
+
+    points: Array
+    corners: Index
+    domain: Index
+    walls: Index
+    face: Index
+
+
+def solid_mesh(files: Sequence[Path], largest: float, near: Array, size: float) -> SolidMesh:
+    """Return netgen's mesh of solids, a BREP file each, mm. Edges are up to `largest` mm long, at the places
+    `near` `(n, 3)` mm up to `size`; neighbouring solids share nodes.
+
+    Raises InputError where netgen finds no mesh.
+    """
+    shapes = []
+    for number, file in enumerate(files):
+        (shape,) = OCCGeometry(str(file)).shape.solids
+        shape.name = str(number)
+        shapes.append(shape)
+    geometry = OCCGeometry(Glue(shapes) if len(shapes) > 1 else shapes[0])
+    wishes = MeshingParameters(maxh=largest, grading=SOLID_GRADING, curvaturesafety=CURVATURE_SAFETY)
+    for place in near.tolist():
+        wishes.RestrictH(*place, size)
+    try:
+        mesh = geometry.GenerateMesh(wishes)
+    except NgException as failure:
+        if exhausted(failure):
+            raise
+        rule, remedy = f"netgen finds no mesh of the solid ({failure})", "leave the volume mesh out"
+        raise InputError("skin", rule, remedy=remedy) from None
+    cells, walls = mesh.Elements3D().NumPy(), mesh.Elements2D().NumPy()
+    names = [int(mesh.GetMaterial(i + 1)) for i in range(int(cells["index"].max()))]
+    return SolidMesh(
+        points=np.array(mesh.Coordinates()),
+        corners=cells["nodes"][:, :4].astype(np.int64) - 1,
+        domain=np.array(names)[cells["index"] - 1],
+        walls=walls["nodes"][:, :3].astype(np.int64) - 1,
+        face=walls["index"].astype(np.int64),
+    )

@@ -30,7 +30,7 @@ from skincad.shape.skin import Section, section, skin_of
 from skincad.solids.layout import lid_process
 from skincad.solids.mold import mold
 from skincad.solids.pins import pins
-from skincad.solids.plan import Body, Part, PartRole, TurnedBody
+from skincad.solids.plan import Body, Part, PartRole, Prism, RevolvedBody, TurnedBody
 from skincad.solids.shots import room
 from skincad.solids.skin import along_skin, skin_part
 
@@ -126,11 +126,6 @@ def carrier_part(design: Design) -> Part:
     return closed.first(PartRole.BONE if closed.of(PartRole.BONE) else PartRole.CARRIER)
 
 
-def ridge_loop(design: Design, ridge: int) -> Loop:
-    """Return a ridge's outline, closed by the chord between its feet, counterclockwise, mm."""
-    return _closed(s for s in section(design).outline if s.feature == ridge)
-
-
 def _slab(shape: Section) -> Loop:
     """The face of a skin without features, with a tenth of what is under its edges."""
     face = tuple(s for s in shape.outline if s.feature == 1)
@@ -166,17 +161,22 @@ def _halves(group: Index, plan: Array) -> list[Index]:
 
 def ridge_parts(design: Design) -> list[Part]:
     """Return each ridge above the base, or each pin; slots are not taken off it, they are of the base."""
-    skin = skin_of(design)
-    if skin.symmetry == "revolved":
-        bodies: list[Body] = [replace(pin, buried=0.0) for pin in pins(design, section(design))]
-    elif skin.symmetry == "concentric":
-        middle, up = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
-        bodies = [TurnedBody(_closed(placed.outline), middle, up) for placed in skin.placed]
-    elif skin.symmetry == "none":
-        bodies = [along_skin(design, _slab(section(design)), ())]
-    else:
-        bodies = [along_skin(design, ridge_loop(design, i), ()) for i in range(1, skin.count + 1)]
+    skin, shape = skin_of(design), section(design)
+    bodies: list[Body] = [replace(pin, buried=0.0) for pin in pins(design, shape)]
+    if not bodies:
+        loops = [_closed(p.outline) if p.feature.outline else _slab(shape) for p in skin.placed]
+        bodies = [along_skin(design, loop, ()) for loop in loops]
     return [Part(f"{skin.family}-{i}", PartRole.SKIN, body) for i, body in enumerate(bodies, 1)]
+
+
+def touching(design: Design) -> list[tuple[Prism | RevolvedBody | TurnedBody, list[Segment]]]:
+    """Return what of each feature may meet a plate: a body, and of its own loop the feature's segments."""
+    part = skin_part(design)
+    if part.adds:
+        return [(pin, [s for s in pin.outline if s.touches]) for pin in pins(design, section(design))]
+    body = along_skin(design, section(design).outline, ())
+    numbers = range(1, skin_of(design).count + 1)
+    return [(body, [s for s in body.outline if s.touches and s.feature == number]) for number in numbers]
 
 
 def base_loop(design: Design) -> Loop:

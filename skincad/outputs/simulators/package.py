@@ -23,6 +23,7 @@ from skincad.inputs.material import layers, silicone
 from skincad.mechanics.film.response import SPANS as RESPONSE_SPANS
 from skincad.outputs.delivery import Presentation, text
 from skincad.outputs.simulators.links import (
+    MOST_BODIES,
     Links,
     carrier_part,
     collision,
@@ -60,18 +61,24 @@ from skincad.outputs.simulators.taxels import (
     write_response,
     write_taxels,
 )
+from skincad.outputs.simulators.usd import installed, require_usd, write_usd
 from skincad.outputs.solid_files import write_step, write_stl
 from skincad.shape.skin import skin_of
 from skincad.solids.layout import lid_process
+from skincad.solids.plan import Prism
+from skincad.solids.skin import skin_part
 
 if TYPE_CHECKING:
     from skincad.mechanics.film.response import FilmResponse
 
 
-KINDS = ("mujoco", "urdf", "taxels", "mesh")
+KINDS = ("mujoco", "urdf", "taxels", "mesh", "usd")
+MANY = "of so many pins a volume mesh takes minutes: ask for it by --for mesh"
+NO_USD = "no usd, which needs usd-core: pip install 'skincad[usd]'"
 NO_FILM = "there is no film that is bonded: taxels are the crests, and there is no film response"
 DOUBLY_CURVED = "the films' response needs a skin that is straight along y: there is none"
-FRAME = "x across the ridges, y along them, z out of the skin; the skin's flat back is at z = 0"
+FLAT_BACK = "the volume mesh, as the check, takes the bone as a flat back at z = 0"
+FRAME = "x along the skin's width, y along its length, z out of the skin; the skin's flat back is at z = 0"
 LICENCE = "to be stated by the skin's owner"
 
 
@@ -119,12 +126,14 @@ def package(
     mesh_prefix: str = "",
     progress: Progress | None = None,
 ) -> Package:
-    """Return a design as a package for `kinds` of simulators, all of KINDS if there are none.
+    """Return a design as a package for `kinds` of simulators, all of KINDS if there are none: a
+    volume mesh of up to MOST_BODIES features, USD where usd-core is installed.
 
     `model` is the model of the check that MuJoCo's springs follow. `mesh_prefix` is what the names of URDF's
     meshes begin with, as `package://my_robot/meshes/`; without one they lie beside the file. Raises
-    InputError for an unknown kind, for a plate that is not flat where MuJoCo is asked for, or for a carrier
-    that cannot be made; RefusedError where a check or a response is beyond its model's range.
+    InputError for an unknown kind, for USD without usd-core, for a plate that is not flat where MuJoCo or USD
+    is asked for, or for a carrier that cannot be made; RefusedError where a check or a response is beyond
+    its model's range.
     """
     if not isinstance(design, Design):
         raise InputError("design", "must be a Design", design, "skincad.load(...) gives one")
@@ -132,25 +141,27 @@ def package(
     for kind in names:
         if kind not in KINDS:
             raise InputError("kinds", "unknown simulator", kind, did_you_mean(kind, KINDS))
-    meshed = skin_of(design).symmetry in ("extruded", "none") and not design.skin.round
-    if "mesh" in names and not meshed:
-        rule = f"has no volume mesh of {skin_of(design).family}s"
-        raise InputError("kinds", rule, "mesh", "leave it out; the STEP file of `make` can be meshed")
-    chosen = tuple(kind for kind in KINDS if (kind in names if names else meshed or kind != "mesh"))
+    if "usd" in names:
+        require_usd()
     watch, notes = Stopwatch(progress), list[str]()
+    many = skin_of(design).count > MOST_BODIES
+    unasked = {"mesh": MANY if many else "", "usd": "" if installed() else NO_USD}
+    notes += [why for why in unasked.values() if why and not names]
+    chosen = tuple(kind for kind in KINDS if (kind in names if names else not unasked.get(kind)))
     # the stages of springs, but not the time left of each of their checks
     untimed = None if progress is None else lambda stage, _=None, /: progress(f"springs: {stage}")
     with watch.stage("springs"):
-        ridge_springs = springs(design, model, untimed) if "mujoco" in chosen else None
+        ridge_springs = springs(design, model, untimed) if {*chosen} & {"mujoco", "usd"} else None
     with watch.stage("response"):
-        places = taxels(design) if "taxels" in chosen else None
+        places = taxels(design) if {*chosen} & {"taxels", "usd"} else None
         response = _response(design, notes, progress) if "taxels" in chosen else None
     with watch.stage("solids"):
-        weighs = links(design, bodies=bool({*chosen} & {"mujoco", "urdf"}))
+        weighs = links(design, bodies=bool({*chosen} & {"mujoco", "urdf", "usd"}))
     with watch.stage("surfaces"):
         shapes = {**visual(design), **collision(design)} if {*chosen} != {"taxels"} else {}
     mesh, heights = None, None
     if "mesh" in chosen:
+        notes += [FLAT_BACK] if design.mold.bone else []
         with watch.stage("mesh"):
             mesh, heights = tetrahedra(design), height_map(design)
     return Package(
@@ -174,7 +185,7 @@ def _response(design: Design, notes: list[str], progress: Progress | None) -> Fi
     if design.film is None or design.film_state != "bonded":
         notes.append(NO_FILM)
         return None
-    if design.skin.curvature_radius_y is not None:
+    if not isinstance(skin_part(design).body, Prism):
         notes.append(DOUBLY_CURVED)
         return None
     from skincad.mechanics.film.response import film_response
@@ -189,7 +200,7 @@ def _files(package: Package) -> Iterator[tuple[str, Writer]]:
     yield "design.toml", text(design.to_toml)
     if kinds & {"mujoco", "urdf", "mesh"}:
         yield from ((f"{name}.stl", partial(write_stl, shape)) for name, shape in package.surfaces.items())
-    if package.springs:
+    if package.springs and "mujoco" in kinds:
         yield "skin.xml", text(partial(skin_xml, design, package.weighs, package.springs))
         yield "scene.xml", text(partial(scene_xml, design, package.springs))
     if "urdf" in kinds:
@@ -204,7 +215,10 @@ def _files(package: Package) -> Iterator[tuple[str, Writer]]:
         yield "materials.json", text(lambda: strict_json(materials(design, mesh), indent=1))
         yield "heights.png", partial(_png, heights)
         yield "heights.json", text(lambda: strict_json(heights.about(), indent=1))
-    if package.taxels:
+    if package.springs and package.taxels and "usd" in kinds:
+        links, places, surfaces = package.weighs, package.taxels, package.surfaces
+        yield "skin.usda", partial(write_usd, design, links, package.springs, places, surfaces, FRAME)
+    if package.taxels and "taxels" in kinds:
         yield "taxels.csv", text(partial(taxels_csv, package.taxels))
         yield "taxels.npz", partial(write_taxels, package.taxels)
     if package.response:

@@ -26,6 +26,7 @@ from skincad.base.result import Record, item, record, reported
 from skincad.inputs.design import Design
 from skincad.mechanics.check import check
 from skincad.mechanics.contact.frictionless import press
+from skincad.mechanics.models.table import unsupported_reason
 from skincad.mechanics.models.winkler import crest_gaps, stiffnesses
 from skincad.mechanics.problem import ContactError, Request, RidgeModel, SizeError, pad_of
 from skincad.mechanics.verdict import ContactCheck
@@ -106,6 +107,14 @@ class Springs(Record):
         return np.asarray((inverse + inverse.T) / 2)
 
     @property
+    def alone(self) -> Array:
+        """Stiffness `(n,)` N/mm of springs without neighbours that bear the check's forces at its approach,
+        each its own where it bears next to none there."""
+        force, reach = self.body_force, float(self.verdict.approach) - self.gap
+        bears = (force > LEAST_SHARE * force.mean()) & (reach > 0)
+        return np.where(bears, force, 1.0) / np.where(bears, reach, np.diag(self.flexibility))
+
+    @property
     def rows(self) -> Array:
         """Rows `(n, n)` in (N/mm)^1/2 whose squares' sum is the stiffness."""
         return np.asarray(np.linalg.cholesky(self.stiffness).T)
@@ -117,12 +126,12 @@ def springs(design: Design, model: str = "auto", progress: Progress | None = Non
     Raises InputError for a plate that is not flat; RefusedError for a check beyond its model's range.
     """
     if design.contact.plate.shape != "flat":
-        rule = "must be 'flat' for mujoco: its springs are those of a skin under a flat plate"
-        remedy = "--set contact.plate=none, or leave mujoco out by --for"
+        rule = "must be 'flat' for mujoco and usd: their springs are those of a skin under a flat plate"
+        remedy = "--set contact.plate=none, or leave these out by --for"
         raise InputError("contact.plate.shape", rule, design.contact.plate.shape, remedy)
     verdict = check(design, model=model, progress=progress)
     if verdict.out_of_range:
-        raise RefusedError(f"no springs for mujoco: {verdict.out_of_range}; take a smaller contact.force")
+        raise RefusedError(f"no springs: {verdict.out_of_range}; take a smaller contact.force")
     if skin_of(design).symmetry == "revolved":
         nominal = _of_pins(design, verdict)
     else:
@@ -140,7 +149,7 @@ def _reduced(design: Design, force: float, progress: Progress | None) -> RidgeMo
     """The linear pad reduced to one force a ridge, or None where there is none."""
     from skincad.mechanics.models import linear
 
-    if design.skin.curvature_radius_y is not None or skin_of(design).count == 1:
+    if unsupported_reason("linear", design, measured=False) or skin_of(design).count == 1:
         return None
     try:
         return linear.solve(pad_of(design), Request(force, ridge_model=True), progress).ridge_model
@@ -162,7 +171,7 @@ def _fit(design: Design, verdict: ContactCheck, model: RidgeModel | None) -> Spr
     if np.linalg.eigvalsh(flexibility).min() <= 0:
         if model is not None:  # ridges that take each other's load: then each on a spring of its own
             return _fit(design, verdict, None)
-        raise RefusedError("no springs for mujoco: the check's approach is less than a crest's own gap")
+        raise RefusedError("no springs: the check's approach is less than a crest's own gap")
     return Springs(gap=gap, flexibility=flexibility, coupled=model is not None, verdict=verdict)
 
 

@@ -8,6 +8,7 @@ and NPZ say frame, unit and meaning themselves.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,21 +21,27 @@ from skincad.base.reading import Cell, csv_text
 from skincad.circuit.network import charge, electrode
 from skincad.inputs.design import Design
 from skincad.mechanics.film.response import SPANS, FilmResponse
+from skincad.outputs.simulators.links import touching
 from skincad.shape.curves import Point
 from skincad.shape.skin import section, skin_of
 from skincad.solids.pins import pockets
-from skincad.solids.plan import TurnedBody
+from skincad.solids.plan import Prism, RevolvedBody, TurnedBody
+from skincad.solids.skin import along_skin, skin_part
 
-FRAME = "frame of the design: x across the ridges, y along them, z out of the skin, flat back at z = 0"
+FRAME = (
+    "frame of the design: x along the skin's width, y along its length, z out of the skin, flat back at z = 0"
+)
 AXES = ("across", "along_y", "outward")
 PARTS = ("through_film", "along_film", "lengthwise")
 WAYS = ("normal", "tangential")
+SAMPLES = (np.arange(64) + 0.5) / 64  # of a segment's length: areas within 1e-4
 
 
 @dataclass(frozen=True, eq=False)
 class Taxels:
     """Places that feel: their `names`, `kinds` ("film", "pocket" or "crest"), `ridges`, `sides` ("S1", "S2"
-    or ""), `poses` `(n, 3, 4)` mm, and `sizes` `(n, 2)` mm: across or along a strip's depth, and along y.
+    or ""), `poses` `(n, 3, 4)` mm, `sizes` `(n, 2)` mm: across or along a strip's depth, and along y, and
+    `areas` `(n,)` mm2: of a strip's face, of a pocket's end, and of what of a crest may touch.
     """
 
     poses: Array
@@ -43,9 +50,10 @@ class Taxels:
     ridges: tuple[int, ...]
     sides: tuple[str, ...]
     sizes: Array
+    areas: Array
 
 
-Row = tuple[str, str, int, str, Array, tuple[float, float]]  # of one place, as `Taxels` has them
+Row = tuple[str, str, int, str, Array, tuple[float, float], float]  # of one place, as `Taxels` has them
 
 
 def taxels(design: Design) -> Taxels:
@@ -65,17 +73,20 @@ def crests(design: Design) -> Taxels:
 
 
 def _columns(rows: list[Row]) -> Taxels:
-    names, kinds, ridges, sides, poses, sizes = zip(*rows, strict=True) if rows else [()] * 6
-    return Taxels(np.reshape(poses, (-1, 3, 4)), names, kinds, ridges, sides, np.reshape(sizes, (-1, 2)))
+    names, kinds, ridges, sides, poses, sizes, areas = zip(*rows, strict=True) if rows else [()] * 7
+    both = np.reshape(poses, (-1, 3, 4)), np.reshape(sizes, (-1, 2))
+    return Taxels(both[0], names, kinds, ridges, sides, both[1], np.array(areas, dtype=float))
 
 
 def _strips(design: Design) -> list[Row]:
     slots = section(design).slots if design.film and design.film_state != "ignored" else ()
-    poses = [_pose(slot.centre, slot.direction) for slot in slots]
-    return [
-        (f"ridge-{s.feature}-{s.side}", "film", s.feature, s.side, pose, (s.depth, design.skin.length))
-        for s, pose in zip(slots, poses, strict=True)
-    ]
+    rows: list[Row] = []
+    for s in slots:
+        along = float(_way(along_skin(design, s.loop(), ()), np.array([s.centre]))[0])
+        size = s.depth, design.skin.length
+        pose, area = _pose(s.centre, s.direction), s.depth * along
+        rows.append((f"ridge-{s.feature}-{s.side}", "film", s.feature, s.side, pose, size, area))
+    return rows
 
 
 def _pocket_ends(design: Design) -> list[Row]:
@@ -83,18 +94,32 @@ def _pocket_ends(design: Design) -> list[Row]:
     rows: list[Row] = []
     for i, hole in enumerate(pockets(design), 1):
         pose = np.column_stack([np.eye(3), (hole.start[0], hole.start[1], hole.length)])
-        rows.append((f"pocket-{i}", "pocket", i, "", pose, (2 * hole.radius, 2 * hole.radius)))
+        size, area = (2 * hole.radius, 2 * hole.radius), math.pi * hole.radius**2
+        rows.append((f"pocket-{i}", "pocket", i, "", pose, size, area))
     return rows
 
 
 def _summits(design: Design) -> list[Row]:
     skin = skin_of(design)
-    poses = [_pose(p.frame.at(0.0, p.feature.height), p.frame.normal) for p in skin.placed]
-    if skin.symmetry == "revolved":
-        poses = [np.column_stack([TurnedBody((), p.foot, p.axis).frame(), p.tip]) for p in skin.placed]
-    wide = skin.profile.tip_width
-    size = wide, wide if skin.symmetry == "revolved" else design.skin.length
-    return [(f"{skin.family}-{i}-crest", "crest", i, "", pose, size) for i, pose in enumerate(poses, 1)]
+    poses = [np.column_stack([TurnedBody((), p.foot, p.axis).frame(), p.tip]) for p in skin.placed]
+    wide, round_tips = skin.profile.tip_width, skin_part(design).adds
+    size = wide, wide if round_tips else design.skin.length
+    areas = [
+        math.fsum(s.length * float(_way(body, s.points(SAMPLES)).mean()) for s in loop)
+        for body, loop in touching(design)
+    ]
+    return [
+        (f"{skin.family}-{i}-crest", "crest", i, "", pose, size, area)
+        for i, (pose, area) in enumerate(zip(poses, areas, strict=True), 1)
+    ]
+
+
+def _way(body: Prism | RevolvedBody | TurnedBody, points: Array) -> Array:
+    """How far each of a section's points `(n, 2)` mm is swept or turned with a body, `(n,)` mm."""
+    if isinstance(body, TurnedBody):
+        return np.asarray(2 * math.pi * points[:, 0])
+    arm = points[:, 1] - body.centre if isinstance(body, RevolvedBody) else 1.0
+    return np.full(len(points), (body.high - body.low) * np.abs(arm))
 
 
 def _pose(place: Point, outward: Point) -> Array:
@@ -107,18 +132,19 @@ def _pose(place: Point, outward: Point) -> Array:
 def taxels_csv(places: Taxels) -> str:
     """Return a taxel a row: its place and its three axes, the third outward."""
     columns = ["name", "kind", "ridge", "side", "x_mm", "y_mm", "z_mm"]
-    columns += [f"{axis}_{x}" for axis in AXES for x in "xyz"] + ["size_mm", "length_mm"]
+    columns += [f"{axis}_{x}" for axis in AXES for x in "xyz"] + ["size_mm", "length_mm", "area_mm2"]
     rows: list[list[Cell]] = [[*columns]]
     for i, name in enumerate(places.names):
         pose = places.poses[i]
-        values = [*pose[:, 3], *pose[:, :3].T.ravel(), *places.sizes[i]]
+        values = [*pose[:, 3], *pose[:, :3].T.ravel(), *places.sizes[i], places.areas[i]]
         words = [name, places.kinds[i], str(places.ridges[i]), places.sides[i]]
         rows.append([*words, *(repr(float(v) + 0.0) for v in values)])
     return csv_text(rows, [FRAME, "mm; axes are unit vectors, the third points out of the skin"])
 
 
 def write_taxels(places: Taxels, path: Path) -> None:
-    """Write the same as NPZ: `poses` (n, 3, 4), `names`, `kinds`, `ridges`, `sides`, `sizes` and `about`."""
+    """Write the same as NPZ: `poses` (n, 3, 4), `names`, `kinds`, `ridges`, `sides`, `sizes`, `areas`
+    and `about`."""
     about = f"poses (n, 3, 4): axes as columns, then the place in mm; {FRAME}"
     columns: dict[str, Any] = {key: np.array(column) for key, column in vars(places).items()}
     np.savez(path, **columns, about=np.array(about))
