@@ -25,6 +25,8 @@ from skincad.fabrication.meshes import print_chord
 from skincad.fabrication.papers import paper
 from skincad.inputs.design import height_keys, with_heights
 from skincad.inputs.process import Process
+from skincad.mechanics.models.table import MODELS, unsupported_reason
+from skincad.shape.crests import crest_column, crest_places
 from skincad.shape.curves import polygon
 from skincad.shape.skin import summit
 from skincad.solids.pins import hole_block
@@ -65,11 +67,10 @@ class Crests(NamedTuple):
 
 def crest_limits(job: Job) -> Crests:
     """Return the limits of a cast skin's crests."""
-    skin = job.skin
-    process, count = job.cavity_process, skin.count
-    printed = printed_crests(job)
+    process, printed = job.cavity_process, printed_crests(job)
     step, offset = 0.0 if printed else unknown_step(process), offset_of(job)
-    heights = tuple(high + offset for high in printed or skin.crests)
+    heights = tuple(high + offset for high in printed or drawn_crests(job))
+    count = len(heights)
     sigma = math.hypot(process.crest_sigma, step / math.sqrt(12))  # a step falls anywhere
     deviations = NormalDist().inv_cdf(1 - REJECTED_SHARE / 2 / (count + OTHER_ROWS))
     read = math.hypot(sigma, GAUGE_SIGMA)
@@ -92,6 +93,11 @@ def crest_limits(job: Job) -> Crests:
     )
 
 
+def drawn_crests(job: Job) -> tuple[float, ...]:
+    """Return each crest's height over the flat back as drawn, mm; of a face those of its places."""
+    return tuple(high for _, _, high in crest_places(job.skin))
+
+
 def offset_of(job: Job) -> float:
     """Return by how much all crests of the cured skin come out higher over its back, mm."""
     return job.cavity_process.crest_offset * (1 - job.shrinkage)
@@ -110,7 +116,7 @@ def remarks(job: Job, crests: Crests, allowed_drops: tuple[float, ...], margin: 
     `allowed_drops` `(ridges,)` mm is by how much each crest may lie lower alone until the verdict's `margin`,
     N, is used up, empty where there is none. The words are templates/papers/crest-remarks.md.
     """
-    drawn = tuple(high + offset_of(job) for high in job.skin.crests)
+    drawn = tuple(high + offset_of(job) for high in drawn_crests(job))
     off = [out - high for out, high in zip(crests.heights, drawn, strict=True)]
     middle = math.fsum(off) / len(off)
     text = paper(
@@ -128,6 +134,8 @@ def remarks(job: Job, crests: Crests, allowed_drops: tuple[float, ...], margin: 
         near_edge=READINGS_NEAR_EDGE,
         uncertain_ridges=uncertain_ridges,
         listed_crests=listed_crests,
+        column=crest_column(job.skin),
+        measurable=len(drawn) > 1 and any(not unsupported_reason(name, job.design, True) for name in MODELS),
         snapping_remarks=snapping_remarks,
     )
     return text.splitlines()
@@ -183,7 +191,7 @@ def printed_crests(job: Job) -> tuple[float, ...] | None:
     """
     process = job.cavity_process
     if not process.layer or (process.orientation == "end" and process.tool != "screen"):
-        return job.skin.crests
+        return drawn_crests(job)
     block = _block(job)
     return block and _heights(block)
 
@@ -265,17 +273,17 @@ def _block(job: Job) -> _Block | None:
     sides = [segment.start.x for segment in skin.outline]  # of the first skin of a gang
     middle = (min(sides) + max(sides)) / 2 if isinstance(skin, Prism) else 0.0
     pixel = process.pixel if process.tool == "screen" else 0.0
+    leans = *job.skin.leans, 0.0, 0.0  # of a face at its places
     grooves = tuple(
         (
-            (0.0 if job.holes else middle)
-            + job.skin.placed[ridge - 1].frame.at(0.0, job.skin.heights[ridge - 1]).x * grown,
+            (0.0 if job.holes else middle) + x * grown,
             -high * grown,
-            LEVEL_BAND + pixel * abs(math.tan(job.skin.lean(ridge))),
-            polygon(hole_block(job.skin.placed[ridge - 1]), print_chord(job.design)) * grown
+            LEVEL_BAND + pixel * abs(math.tan(leans[i])),
+            polygon(hole_block(job.skin.placed[i]), print_chord(job.design)) * grown
             if job.holes
             else outline,
         )
-        for ridge, high in enumerate(job.skin.crests, 1)
+        for i, (x, _, high) in enumerate(crest_places(job.skin))
     )
     foot, top = float(outline[:, 1].min()), float(outline[:, 1].max())
     return _Block(foot, top, process.layer, grown, grooves)

@@ -17,12 +17,13 @@ from skincad.fabrication.rules import EDGE_RULES, RULES, Case, Finding, error, n
 from skincad.fabrication.strips import shim_findings
 from skincad.inputs.design import Design
 from skincad.inputs.gripper import gripper_named
+from skincad.inputs.guards import CAP
 from skincad.inputs.material import foreign_modulus
 from skincad.shape.skin import VISIBLE, skin_of
 from skincad.solids.cavity import SAFE_SHARE, safe_strain, split_ridges
 from skincad.solids.fasteners import WASHER, run_out_room
 from skincad.solids.layout import MOST_BOW, SEAL_PLAY, SHEETS, STOCK, bow, stack_error, thick_enough
-from skincad.solids.pins import CAP, MAGNETS, SQUEEZE
+from skincad.solids.pins import MAGNETS, SQUEEZE
 from skincad.solids.plan import CutRole, PartRole, bores
 
 ALL_RULES = (*RULES, *TOOL_RULES, *EDGE_RULES, *LAYER_RULES, *MACHINE_RULES)

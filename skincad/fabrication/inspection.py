@@ -29,6 +29,7 @@ from skincad.fabrication.pouring import pours
 from skincad.fabrication.rules import walls_close
 from skincad.fabrication.strips import PVDF_DENSITY
 from skincad.inputs.design import Design
+from skincad.shape.crests import crest_column, crest_places
 from skincad.shape.curves import area, length, polygon, right_half
 from skincad.shape.skin import Skin
 from skincad.solids.plan import Bore, CutRole, PartRole, bores
@@ -76,10 +77,11 @@ def _measures(job: Job, crests: Crests) -> list[Measure]:
     known, base, skin = job.processes, job.design.skin, job.skin
     body = known[job.design.mold.process]
     end = known[job.design.mold.end_plate_process or job.design.mold.process]
-    mean, place = math.fsum(crests.heights) / skin.count, "the flat back"
+    mean, place = math.fsum(crests.heights) / len(crests.heights), "the flat back"
     if job.bent:
         place = "the back, in the middle of its length"
-    what, how = f"mean crest over {place}", "mean of the crests as measured: the thickness"
+    what, them = ("face", "places") if skin.bare else ("crest", "crests")
+    what, how = f"mean {what} over {place}", f"mean of the {them} as measured: the thickness"
     rows = [Measure(what, mean, mean - crests.mean, mean + crests.mean, "mm", how)]
     if skin.count > 1 and skin.symmetry == "extruded":
         spans = skin.count - 1
@@ -188,4 +190,5 @@ def inspection_lines(inspected: Inspection) -> list[str]:
         alike.setdefault(i if len(crests.heights) <= MOST_LISTED else f"{height:.3f}", []).append(i)
     limit = crests.deviations * math.hypot(crests.sigma, GAUGE_SIGMA)
     facts = {**inspected._asdict(), "alike": alike.values(), "limit": limit, "gauge": GAUGE_SIGMA}
+    facts |= {"places": crest_places(inspected.skin), "column": crest_column(inspected.skin)}
     return paper("inspection.md", **facts).splitlines()

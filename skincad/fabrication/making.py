@@ -220,7 +220,8 @@ def make(
 
 def bone_findings(design: Design) -> list[Finding]:
     """Return what a flat back at the bone's top changes: the bone is stiffer than no bone and gives way more
-    than that. By the linear model both times, of pins by the reduced one."""
+    than that. By the linear model both times, of pins by the reduced one, of a doubly curved skin
+    by springs."""
     from skincad.fabrication.rules import note
     from skincad.mechanics.check import check
     from skincad.mechanics.models.table import unsupported_reason
@@ -232,7 +233,8 @@ def bone_findings(design: Design) -> list[Finding]:
         for shot in design.shot or ()
     )
     raised = {"skin": {"thickness": design.skin.thickness - top}, "shot": shots or None}
-    model = "reduced" if unsupported_reason("linear", design, measured=False) else "linear"
+    models = "linear", "reduced", "winkler"
+    model = next((name for name in models if not unsupported_reason(name, design, measured=False)), "linear")
     flat = check(design.with_(**bare), model=model)
     try:
         high = check(design.with_(**bare, **raised), model=model)

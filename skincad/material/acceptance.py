@@ -38,13 +38,13 @@ from skincad.inputs.measurements import (
 )
 from skincad.material.pad import PadCurve, fit_curve, small_strain_curve, tare
 from skincad.material.press_model import (
-    SCALE_ERROR,
     PressModel,
     good_curve,
     press_model,
     refuse_design,
     under_flat_plate,
 )
+from skincad.mechanics.validity import limits
 
 FORCE_ERROR, APPROACH_ERROR = 0.05, 0.02  # N and mm, of a kitchen scale and a screw
 KINDS = {
@@ -54,6 +54,7 @@ KINDS = {
     "back": "the back is soft: voids, glue or a bending holder",
     "friction": "the plate sticks: wet or powder it",
 }
+FACE_BENT = "the face bends or tilts from side to side"
 LAYERED = "the modulus counts for all layers alike: a press sees them together"
 GOOD_SHARE = 0.5  # of all parts, before the press
 IN_FROM, OUT_FROM = 0.95, 0.95  # probability of a good part, and of a fault
@@ -108,6 +109,7 @@ class Acceptance(Result):
     modulus_range: tuple[float, float] = item("MPa", "of a good part")
     zero: Estimate = item("mm", "of the approach, for a part without faults")
     good_misfit: float = item(meaning="chi-square of the best good part")
+    family: str = "ridge"  # of what touches
     rows: int = item(meaning="of the file")
     rows_used: int = item(meaning="with a force above its noise")
     largest_force: float = item("N", "of the rows")
@@ -167,7 +169,8 @@ def accept(
     `ruled_out` were excluded otherwise, as a ridge that did not fill by eye; a `contact.friction` of the
     design rules out friction. `good_share` is the share of good ones among such parts, known before: half of
     them unless given, so that a part is `in` only where its rows speak against every fault. Raises InputError
-    for an unusable file, for skins without ridges or rings, and for forces beyond the range of the model.
+    for an unusable file, for plates and skins that `refuse_design` names, and for forces beyond the range of
+    the model.
     """
     clock = Stopwatch(progress)
     for cause in ruled_out:
@@ -196,7 +199,9 @@ def model_for(design: Design, curve: PressCurve, clock: Stopwatch) -> tuple[Pres
     curve = usable(curve, first)
     largest = float(curve.force.max())
     if largest > first.force[-1]:
-        rule = f"the model ends at {float(first.force[-1]):.3g} N: a ridge is strained by 0.3 or buckles"
+        of = limits(design).family
+        ends = f"a {of} is strained by 0.3 or buckles" if of else "the skin is strained by 0.3"
+        rule = f"the model ends at {float(first.force[-1]):.3g} N: {ends}"
         raise InputError(f"{curve.name}, force_N", rule, largest, "leave out the rows beyond")
     reach = float(first.force_at(np.array([curve.approach.max()]))[0])
     good = good_curve(design, 1.2 * max(largest, reach), clock)
@@ -302,15 +307,19 @@ def _hypotheses(models: Sequence[PressModel], largest: float) -> dict[str, _Hypo
     told = max(models, key=lambda m: len(m.numbers))  # the one that tells a ridge from its image, if any
     ridges = [
         np.vstack(
-            [_sampled(m.missing, m.without(number).T, lacks).T for number in told.numbers]
-            + [m.without_two(pair)[None] for pair in told.pairs]
+            [
+                np.zeros((0, m.force.size)),
+                *(_sampled(m.missing, m.without(number).T, lacks).T for number in told.numbers),
+                *(m.without_two(pair)[None] for pair in told.pairs),
+            ]
         )
         for m in models
     ]
     names = [_ridge_name(told, number) for number in told.numbers for _ in lacks]
     names += [" and ".join(map(str, pair)) for pair in told.pairs]
     sizes = np.concatenate([np.tile(lacks, len(told.numbers)), np.full(len(told.pairs), model.height)])
-    add("ridge", sizes, names, ridges, np.zeros(len(names)))
+    if names:  # not of a face
+        add("ridge", sizes, names, ridges, np.zeros(len(names)))
     deep = float(np.interp(largest, model.force, model.good)) / largest
     soft = np.geomspace(*SOFT_BACK, SIZES) * deep
     add("back", soft, [""] * SIZES, [np.tile(m.good, (SIZES, 1)) for m in models], soft)
@@ -321,6 +330,8 @@ def _hypotheses(models: Sequence[PressModel], largest: float) -> dict[str, _Hypo
 
 
 def _ridge_name(model: PressModel, number: int) -> str:
+    if model.alike:
+        return model.alike[model.numbers.index(number)]
     if not model.mirrored:
         return f"{number}"
     other = model.last - number + 1
@@ -352,7 +363,7 @@ def log_likelihood(
             slope = np.interp(force / scale, model.force, np.gradient(model.good, model.force)) / scale
             own_zero = np.zeros((len(curves), force.size))
             own_zero[number] = curve.approach_error
-            shared = (SCALE_ERROR * good, _sampled(model.force, model.strained[None], force / scale)[0])
+            shared = (model.scale_error * good, _sampled(model.force, model.strained[None], force / scale)[0])
             crests = _sampled(model.force, model.crests, force / scale)
             residual.append(approach - expected)
             modes.append(np.vstack([own_zero, shared, crests]))
@@ -389,7 +400,7 @@ def judge(
         kind: float(special.logsumexp(value, b=hypotheses[kind].weights))
         for kind, (value, _, _) in logs.items()
     }
-    kinds = [kind for kind in KINDS if kind not in ruled_out]
+    kinds = [kind for kind in KINDS if kind not in ruled_out and kind in hypotheses]
     prior = {kind: (1 - good_share) / len(kinds) for kind in kinds} | {"good": good_share}
     names = list(prior)
     posterior = special.softmax([evidence[kind] + np.log(prior[kind]) for kind in names])
@@ -422,6 +433,7 @@ def judge(
         modulus_range=models[0].modulus_range,
         zero=zero,
         good_misfit=good_misfit,
+        family=models[0].family,
         rows=first.force.size,
         rows_used=rows,
         largest_force=largest,
@@ -442,12 +454,15 @@ def _band(model: PressModel, largest: float) -> tuple[Array, Array, Array]:
         at = force * model.young_modulus / end
         good = _sampled(model.force, model.good[None], at)[0]
         modes = _sampled(model.force, np.vstack([model.crests, model.strained]), at)
-        ends.append(good + sign * CONFIDENCE * np.sqrt((modes**2).sum(axis=0) + (SCALE_ERROR * good) ** 2))
+        ends.append(
+            good + sign * CONFIDENCE * np.sqrt((modes**2).sum(axis=0) + (model.scale_error * good) ** 2)
+        )
     return force, ends[0], ends[1]
 
 
 def _warnings(model: PressModel, curve: PressCurve) -> tuple[str, ...]:
-    notes = ["all crests higher or lower alike can't be seen: the zero of the approach is unknown"]
+    what = "all crests" if model.numbers else "a face"
+    notes = [f"{what} higher or lower alike can't be seen: the zero of the approach is unknown"]
     if model.mirrored and len(model.numbers) > 1:
         notes.append("a ridge can't be told from its mirror image under a level plate")
     if model.modulus_range[0] == model.modulus_range[1]:
@@ -480,7 +495,10 @@ def _cause(
         unit = {"back": "mm/N", "friction": "1"}.get(kind, "mm")
     mean, spread = _mean_and_deviation(sizes, over)
     size = Estimate(mean, CONFIDENCE * spread, unit)
-    return CauseFit(kind, KINDS[kind], probability, size, unit, float(misfit.min()), place)
+    words = FACE_BENT if model.family == "flat" and kind == "crests" else KINDS[kind]
+    return CauseFit(
+        kind, words.replace("ridge", model.family), probability, size, unit, float(misfit.min()), place
+    )
 
 
 def _mean_and_deviation(values: Array, weights: Array) -> tuple[float, float]:

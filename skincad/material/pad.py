@@ -22,12 +22,14 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.measurements import FEWEST_ROWS, MaterialTest
 from skincad.material.modulus import MaterialFit, Regression, material_fit, regression
-from skincad.mechanics.bodies.mesh import meshed_piece, plane_piece
+from skincad.mechanics.bodies.mesh import PadPiece, meshed_piece, plane_piece
 from skincad.mechanics.contact.frictionless import NodalContact, Ridges, press
-from skincad.mechanics.models import corrected, finite_strain, linear
+from skincad.mechanics.contact.ridge_model import ridge_approach
+from skincad.mechanics.models import corrected, finite_strain, linear, reduced
 from skincad.mechanics.models.solid import coarse_sizes, condensed_pad, forms_of
-from skincad.mechanics.problem import Pad, check_pad, pad_of
-from skincad.mechanics.validity import limits
+from skincad.mechanics.problem import Pad, check_pad, focused, pad_of
+from skincad.mechanics.validity import LARGEST_STRAIN, limits
+from skincad.shape.skin import skin_of
 
 STRIP_SENSITIVITY = 0.1  # relative change of E that changes the curve of a pad with strips by 1e-3 (measured)
 PASSES = 4
@@ -186,12 +188,21 @@ def small_strain_curve(design: Design, young_modulus: float, clock: Stopwatch) -
 
     `design`'s own modulus is not used. Raises InputError for a pad too large for three dimensions.
     """
-    pad = replace(pad_of(design), young_modulus=young_modulus)
+    soft = design.with_(material={"young_modulus": young_modulus, "law": None})
+    a_ridge, shares = limits(soft).largest, (np.arange(1, POINTS + 1) / POINTS) ** 2
+    if skin_of(design).body == "pins":
+        with clock.stage("linear"):
+            model = reduced.pin_model(soft).ridge_model()
+            force = a_ridge * model.gap.size * shares
+            forces, approach = ridge_approach(model, np.zeros((POINTS, model.gap.size)), force)
+        return _up_to(a_ridge, forces.max(axis=1), PadCurve(young_modulus, force, approach, np.ones(POINTS)))
+    pad = focused(replace(pad_of(design), young_modulus=young_modulus), design.contact.force)
     check_pad(pad)
-    a_ridge = limits(design.with_(material={"young_modulus": young_modulus, "law": None})).largest
-    force = a_ridge * len(pad.ridges) * (np.arange(1, POINTS + 1) / POINTS) ** 2
     with clock.stage("linear"):
         meshed = plane_piece(pad, FINE.fineness)
+        if pad.face:
+            a_ridge = _force_at(LARGEST_STRAIN * design.skin.thickness, meshed, design.contact.force)
+        force = a_ridge * len(pad.ridges) * shares
         solution = linear.level(meshed, FINE.order, force[-1] / 4)
         states = _pressed(solution.ridges, force / solution.scale)
         approach = np.array([state.approach for state in states]) * solution.unit
@@ -199,12 +210,26 @@ def small_strain_curve(design: Design, young_modulus: float, clock: Stopwatch) -
         with clock.stage("free ends"):
             plain = replace(corrected.plain_pad(design), young_modulus=young_modulus)
             approach = approach * _free_ends(plain, force)
-    shares = [meshed.on_whole(solution.ridges.sums(state.force)) for state in states]
-    loaded = np.array(shares).max(axis=1) * solution.scale
+    borne = [meshed.on_whole(solution.ridges.sums(state.force)) for state in states]
+    loaded = np.array(borne).max(axis=1) * solution.scale
+    return _up_to(a_ridge, loaded, PadCurve(young_modulus, force, approach, np.ones(POINTS)))
+
+
+def _up_to(a_ridge: float, loaded: Array, curve: PadCurve) -> PadCurve:
+    """The curve from no force up to where the most loaded feature, `loaded` `(k,)` N, bears `a_ridge` N."""
     rows = int(np.count_nonzero(np.maximum.accumulate(loaded) <= a_ridge))
     zero = np.zeros(1)
-    force, approach = np.append(zero, force[:rows]), np.append(zero, approach[:rows])
-    return PadCurve(young_modulus, force, approach, np.ones(rows + 1))
+    force, approach = np.append(zero, curve.force[:rows]), np.append(zero, curve.small[:rows])
+    return replace(curve, force=force, small=approach, strained=np.ones(rows + 1))
+
+
+def _force_at(approach: float, meshed: PadPiece, force: float) -> float:
+    """The force, N, at which a face gives way by `approach` mm, within a hundred times `force` N."""
+    solution = linear.level(meshed, COARSE_ORDER, force)
+    at = force * np.geomspace(0.01, 100.0, POINTS)
+    states = _pressed(solution.ridges, at / solution.scale)
+    reached = [state.approach * solution.unit for state in states]
+    return float(np.interp(approach, reached, at))
 
 
 def finite_strain_curve(curve: PadCurve, design: Design, largest: float, clock: Stopwatch) -> PadCurve:
@@ -212,16 +237,21 @@ def finite_strain_curve(curve: PadCurve, design: Design, largest: float, clock: 
 
     Raises InputError when not even the first of STRAINED_AT is within that model.
     """
-    pad = replace(pad_of(design), young_modulus=curve.young_modulus)
+    one, each = design, 1.0
+    if (
+        skin_of(design).body == "pins"
+    ):  # what finite strain changes is taken as of one pin under the mean force
+        one, each = reduced.pin_cells(design).stiffest.design, 1 / skin_of(design).count
+    pad = focused(replace(pad_of(one), young_modulus=curve.young_modulus), each * design.contact.force)
     largest = min(largest, float(curve.force[-1]))
     with clock.stage("finite strain"):
         coarse = plane_piece(pad, COARSE.fineness)
         finite: linear.PlaneSolution | None = None
         at, ratio = [0.0], [1.0]
         for force in (share * largest for share in STRAINED_SHARES):
-            small = linear.level(coarse, COARSE_ORDER, force).approach
+            small = linear.level(coarse, COARSE_ORDER, each * force).approach
             try:
-                finite = finite_strain.level(coarse, COARSE_ORDER, force, before=finite)
+                finite = finite_strain.level(coarse, COARSE_ORDER, each * force, before=finite)
             except InputError:
                 if len(at) == 1:
                     raise

@@ -17,7 +17,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import special
+from scipy import optimize, special
 
 from skincad.base.arrays import Array, Mask
 from skincad.base.errors import InputError
@@ -27,7 +27,8 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.contact.ridge_model import BATCH, ridge_forces
 from skincad.mechanics.models.winkler import all_touch_force
-from skincad.mechanics.problem import NEGLIGIBLE, RidgeModel, Spread, Yield
+from skincad.mechanics.problem import NEGLIGIBLE, RidgeModel, Spread, Yield, focused, pad_of
+from skincad.shape.crests import FACE
 from skincad.shape.skin import skin_of
 
 STEP = 1e-3  # relative, of each key, one way
@@ -130,6 +131,10 @@ BATCHES = 8  # Latin hypercubes, independent of each other: their spread is the 
 # 8 x 256 already come as near to the share of 100 000 parts as 10 000 drawn at random (rms 0.1 to 0.7 %, 0.03
 # to 0.5 %); of two crests alone, that decide by their difference, as 4000 at random
 BATCH_PARTS, FULL_BATCH_RIDGES = 512, 32
+LEAST_BATCH = 16  # parts in a batch, of however many ridges
+MOST_BY_DIFFERENCE = 100  # ridges whose crests are lowered one by one; of more the slopes are the tangent's
+MOST_PARTS = 0.95  # share of the parts, of which the force is told that they need
+FORCE_STEP, FARTHEST = 3e-3, 64.0  # of that force, relative: its precision, and how far it is looked for
 STUDENT, NORMAL = 2.36, 1.96  # spreads that hold 95 %: of a mean of 8, and of a known spread
 SEED = 20021  # fixed, so that the same design has the same yield
 MODEL_MISCLASSIFIES = 0.02  # share, measured against the condensed model in test_manufacture.py
@@ -142,16 +147,24 @@ NUDGE = 0.02  # of the largest difference between crests; for the derivative by 
 
 @one_blas_thread()
 def manufacture(
-    model: RidgeModel, force: float, threshold: float, spread: Spread, uncertainty: float = 0.0
+    model: RidgeModel,
+    force: float,
+    threshold: float,
+    spread: Spread,
+    uncertainty: float = 0.0,
+    stiffness_error: float = 0.0,
 ) -> Yield:
     """Return yield and sensitivities of a pad whose all-touch force is `threshold` N, at `force` N.
 
-    The threshold is known to `uncertainty` N, and the error of the yield covers that. The threshold may come
-    from a better model than the model. That model's effects are then taken as a change of stiffness, so the
-    force is scaled (measured in test_manufacture.py for free ends).
+    The threshold is known to `uncertainty` N, and the error of the yield covers that; of a negligible one the
+    pad's stiffness is known to `stiffness_error`, relative. The threshold may come from a better model than
+    the model. That model's effects are then taken as a change of stiffness, so the force is scaled (measured
+    in test_manufacture.py for free ends).
     """
     unit, scale, count = model.unit, model.scale, model.gap.size
-    model_threshold = float(all_touch(model, np.zeros((1, count)), threshold / scale)[0])
+    model_threshold = threshold / scale
+    if threshold > NEGLIGIBLE * force or count <= MOST_BY_DIFFERENCE:
+        model_threshold = float(all_touch(model, np.zeros((1, count)), model_threshold)[0])
     # the ratio of two negligible all-touch forces is rounding
     counts = min(model_threshold * scale, threshold) > NEGLIGIBLE * force
     softer = model_threshold * scale / threshold if counts else 1.0
@@ -163,15 +176,27 @@ def manufacture(
     crests = float(_passing(model, crest_offsets, np.full(moduli.size, scaled_force)).mean())
     material = float((part_forces >= model_threshold).mean())
     worst = best = passing
-    if relative := uncertainty and uncertainty / threshold:  # where the threshold is larger, and smaller
+    # where the threshold is larger, and smaller
+    if relative := (uncertainty and uncertainty / threshold) if counts else stiffness_error:
         worst = _passing(model, crest_offsets, part_forces / (1 + relative))
         best = np.ones_like(passing)
         if relative < 1:
             best = _passing(model, crest_offsets, part_forces / (1 - relative))
     wrong = MODEL_MISCLASSIFIES if abs(softer - 1) < SCALED_FROM else SCALED_MISCLASSIFIES
     low, high = _share_bound(worst, -wrong), _share_bound(best, wrong)
-    nudge = NUDGE * (float(np.ptp(model.gap)) or 1.0)  # of each crest alone, for a one-sided derivative
-    slopes = (all_touch(model, nudge * np.eye(count), model_threshold) - model_threshold) / nudge
+    per_unit = scale / softer  # N
+    needed = _force_of_most(
+        model, crest_offsets, moduli / spread.modulus[1], scaled_force, model_threshold, wrong
+    )
+    at = model_threshold if counts else needed.value or scaled_force
+    if needed.value is not None:
+        error = ((needed.error or 0.0) + relative * needed.value) * per_unit
+        needed = Estimate(needed.value * per_unit, error, "N")
+    if count > MOST_BY_DIFFERENCE:
+        slopes = _tangent_slopes(model, at, counts)
+    else:  # one-sided, of each crest alone
+        nudge = NUDGE * (float(np.ptp(model.gap)) or 1.0) if counts else spread.crest_sigma / unit or NUDGE
+        slopes = (all_touch(model, nudge * np.eye(count), model_threshold) - model_threshold) / nudge
     needs_more = (
         f"the design itself, which needs {threshold:.3g} N of {force:g} N: less curvature, a softer silicone "
         "or higher features"
@@ -179,9 +204,109 @@ def manufacture(
     return Yield(
         Estimate(both, max(both - low, high - both), "1"),
         (low, high),
-        tuple(float(s) for s in slopes * scale / unit / softer),
+        tuple(float(s) for s in slopes * per_unit / unit),
         threshold / spread.modulus[1],
         _largest(spread, both, crests, material) if threshold <= force else needs_more,
+        needed,
+    )
+
+
+def _force_of_most(
+    model: RidgeModel, crest_offsets: Array, stiffer: Array, guess: float, threshold: float, wrong: float
+) -> Estimate:
+    """The force from which on MOST_PARTS of the parts pass, with the sample's error and that of `wrong` as
+    in `_share_bound`; no value where none up to FARTHEST times the guess, or the threshold, does.
+
+    `stiffer` `(parts,)` is each part's modulus over the design's. The share is sought as a normal law's
+    deviation over the force's logarithm, in which it is nearly straight.
+    """
+    shares, samples = dict[float, float](), dict[float, Mask]()
+    wanted, most = float(special.ndtri(MOST_PARTS)), 0.5 / stiffer.size
+
+    def missing(log_force: float) -> float:
+        if log_force not in shares:
+            samples[log_force] = _passing(model, crest_offsets, guess * math.exp(log_force) / stiffer)
+            share = min(max(float(samples[log_force].mean()), most), 1 - most)
+            shares[log_force] = float(special.ndtri(share)) - wanted
+        return shares[log_force]
+
+    farthest = math.log(FARTHEST * max(1.0, threshold / guess))
+    end = math.copysign(math.log(2), -missing(0.0))
+    while abs(end) < farthest and missing(end) * missing(0.0) > 0:
+        end = math.copysign(min(2 * abs(end), farthest), end)
+    if missing(end) * missing(0.0) > 0:  # even the lightest force is enough, or the largest is not
+        return Estimate(0.0, guess * math.exp(end), "N") if end < 0 else Estimate(None, None, "N")
+    at = float(optimize.brentq(missing, *sorted((0.0, end)), xtol=FORCE_STEP))
+    passing = samples[min(shares, key=lambda log_force: abs(log_force - at))]
+    bounds = special.ndtri([_share_bound(passing, sign * wrong) for sign in (-1, 1)]) - wanted
+    known = sorted(shares)
+    low, high = np.interp(bounds, [shares[log_force] for log_force in known], known)
+    value = guess * math.exp(at)
+    return Estimate(value, value * (FORCE_STEP + float(max(at - low, high - at, 0.0))), "N")
+
+
+def _tangent_slopes(model: RidgeModel, force: float, counts: bool) -> Array:
+    """The change of the all-touch force by each crest's drop `(n,)`, with every ridge as stiff as it is under
+    `force`: the ridge that touches last there stays the last, or, of crests that are all alike, this one
+    becomes it."""
+    carried = ridge_forces(model, np.zeros((1, model.gap.size)), np.array([force]))[0]
+    own = [
+        np.interp(load, model.force, np.gradient(row, model.force))
+        for load, row in zip(carried, model.indentation, strict=True)
+    ]
+    stiffness = np.linalg.inv(model.coupling + np.diag(own))
+    by_one = stiffness.sum(axis=1)
+    last = int(np.argmin(carried))
+    stays = stiffness[last] / by_one[last] * by_one.sum() - by_one
+    becomes = stiffness.diagonal() / by_one * by_one.sum() - by_one
+    late = carried <= carried[last] + NEGLIGIBLE * force / carried.size
+    return np.asarray(np.where(late, becomes, stays) if counts else becomes)
+
+
+FACE_FINENESS, FACE_ORDER, FACE_BATCH = 0.5, 2, 32  # of the section, and parts in a batch
+MIDDLE_95 = 0.025, 0.975
+
+
+@one_blas_thread()
+def face_yield(design: Design, approach: Estimate, width: Estimate, force: float, spread: Spread) -> Yield:
+    """Return how parts of a flat skin differ at `force` N; `approach` and contact `width` are the design's.
+
+    Each touches at any force, but gives way more or less by its modulus and by how far its face is out of
+    true: by independent crest errors at FACE and the parabola through them, so that it tilts and bends. Of a
+    round face both sides err alike. Each part is pressed on one coarse section in small strain, of which the
+    ratios to the design count.
+    """
+    from skincad.mechanics.bodies.mesh import plane_piece
+    from skincad.mechanics.contact.frictionless import Ridges, press
+    from skincad.mechanics.models.linear import level, width_of
+
+    meshed = plane_piece(focused(pad_of(design), force), FACE_FINENESS, whole=True)
+    solution = level(meshed, FACE_ORDER, force)
+    ridges, x = solution.ridges, solution.ridges.across * design.skin.width / 2
+    drops, moduli = _parts(spread, solution.unit, len(FACE), FACE_BATCH)
+    if design.skin.round:
+        drops[:, [0, -1]] = drops[:, [0, -1]].mean(axis=1, keepdims=True)
+
+    def pressed(part: Ridges, modulus: float) -> tuple[float, float]:
+        state = press(part.flexibility, part.gap, force / solution.scale * spread.modulus[1] / modulus)
+        return state.approach, width_of(x, state.force)[0]
+
+    drawn = [pressed(ridges.lowered(drop), modulus) for drop, modulus in zip(drops, moduli, strict=True)]
+    ratios = np.array(drawn) / pressed(ridges, spread.modulus[1])
+    low, high = np.quantile(ratios, MIDDLE_95, axis=0) * [approach.value or 0.0, width.value or 0.0]
+    low[1], high[1] = np.minimum([low[1], high[1]], design.skin.width)
+    cause = f"errors of the face by the {spread.process} mold (sigma {spread.crest_sigma:g} mm)"
+    if np.ptp(moduli) and np.corrcoef(moduli, ratios[:, 0])[0, 1] ** 2 > 0.5:
+        cause = f"the modulus ({spread.modulus[0]:g} to {spread.modulus[2]:g} MPa)"
+    return Yield(
+        passing=Estimate(1.0, 0.0, "1"),
+        interval=(1.0, 1.0),
+        crest_sensitivity=(),
+        modulus_sensitivity=0.0,
+        largest=f"nothing: a face touches at any force. Its approach differs most by {cause}",
+        needed=Estimate(0.0, 0.0, "N"),
+        approaches=(float(low[0]), float(high[0])),
+        widths=(float(low[1]), float(high[1])),
     )
 
 
@@ -223,13 +348,14 @@ def _share_bound(passing: Mask, wrong: float) -> float:
     return min(max(end, 0.0), 1.0)  # against rounding alone
 
 
-def _parts(spread: Spread, unit: float, count: int) -> tuple[Array, Array]:
+def _parts(spread: Spread, unit: float, count: int, batch: int = BATCH_PARTS) -> tuple[Array, Array]:
     """Crest offsets `(parts, count)`, lower where positive, in units, and moduli `(parts,)`, MPa, batch after
     batch.
 
     McKay, Beckman and Conover, Technometrics 21 (1979) 239: each number's distribution is hit evenly.
     """
-    size = BATCHES, max(1, int(BATCH_PARTS * min(1.0, (FULL_BATCH_RIDGES / count) ** 2))), count + 1
+    parts = int(batch * min(1.0, (FULL_BATCH_RIDGES / count) ** 2))
+    size = BATCHES, max(LEAST_BATCH, parts), count + 1
     rng = np.random.default_rng(SEED)
     strata = rng.permuted(np.broadcast_to(np.arange(size[1])[:, None], size), axis=1)
     drawn = ((strata + rng.random(size)) / size[1]).reshape(-1, count + 1)

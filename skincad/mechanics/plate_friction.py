@@ -26,6 +26,7 @@ from skincad.mechanics.left_out import (
 )
 from skincad.mechanics.models.table import MODELS
 from skincad.mechanics.problem import Answer, ContactError, focused
+from skincad.shape.skin import skin_of
 
 if TYPE_CHECKING:
     from skincad.mechanics.models.correction import Correction
@@ -58,7 +59,7 @@ class PlateFriction:
 
     def complete(self, model: str) -> bool:
         """Whether no better model has other ends: with free ends, or of a disc, which has none."""
-        return has_ends(model) or (MODELS[model].meshed and self.design.skin.round)
+        return has_ends(model) or (MODELS[model].meshed and skin_of(self.design).body == "turned")
 
     def lasting_error(self, model: str, bounds: tuple[LeftOut, ...], of: str = "threshold") -> float:
         """The relative error of the all-touch force, or `of` another number, that no model after this one
@@ -99,7 +100,8 @@ class PlateFriction:
         from skincad.mechanics.models.corrected import plain_pad
         from skincad.mechanics.models.friction import FULL, solve, solve_solid
 
-        began, press = perf_counter(), solve_solid if ends and not self.design.skin.round else solve
+        began, turned = perf_counter(), skin_of(self.design).body == "turned"
+        press = solve_solid if ends and not turned else solve
         coefficient = FULL if self.coefficient is None else self.coefficient
         try:
             with resource_guard("the press with friction"):

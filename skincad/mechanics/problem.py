@@ -237,6 +237,13 @@ class Yield(Record):
     crest_sensitivity: tuple[float, ...] = item("N/mm", "change of the all-touch force by each crest's drop")
     modulus_sensitivity: float = item("N/MPa", "its change with E")
     largest: str = item(meaning="the larger loss and its remedy", key="yield_largest_loss")
+    needed: Estimate = item("N", "from this force on all touch in 95 % of the parts", key="yield_force_N")
+    approaches: tuple[float, float] | None = item(
+        "mm", "of a face: 95 % of the parts lie there", key="yield_approach_mm", default=None, optional=True
+    )
+    widths: tuple[float, float] | None = item(
+        "mm", "of its contact: the same", key="yield_contact_width_mm", default=None, optional=True
+    )
 
     @reported(meaning="the share", key="yield", error="error")
     def share(self) -> float | None:
@@ -382,8 +389,8 @@ def pad_of(design: Design) -> Pad:
     Raises InputError for a skin that is curved along y too, and for pins of which there are more or whose
     base is no disc.
     """
-    radius = design.skin.curvature_radius_y
-    if radius is not None:
+    radius = design.skin.radius_y
+    if math.isfinite(radius):
         rule = "must not be given: all but the winkler model and the solids take the skin as straight along y"
         raise InputError("skin.curvature_radius_y", rule, radius, "leave it out")
     return solid_pad_of(design)

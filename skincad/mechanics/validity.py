@@ -41,7 +41,8 @@ class Limits:
 
     `squeeze` and `shear` N are the forces on a feature, ring 1 of rings, along its axis and across it at a
     nominal strain of 1 (the tensor component, half the angle), over its section halfway up; `buckling` N is
-    the force at which it tips over. All three are infinite for a model of large strain, and of a flat skin.
+    the force at which it tips over. All three are infinite for a model of large strain, and of a flat skin:
+    of that the approach ends the range, at `deepest` mm. `shares` `(n,)` are rings' areas by ring 1's.
     """
 
     height: float
@@ -49,20 +50,33 @@ class Limits:
     shear: float = math.inf
     buckling: float = math.inf
     family: str = "ridge"
+    deepest: float = math.inf
+    shares: tuple[float, ...] = ()
+
+    def bears(self, count: int) -> float:
+        """Return the force, N, that `count` features bear within the range if all are strained alike."""
+        return self.largest * (math.fsum(self.shares) or count)
+
+    def on_first(self, forces: Array) -> Array:
+        """Return forces `(n,)` on the features, N, as forces on the first that strain it as much."""
+        return forces / self.shares if self.shares else forces
 
     @property
     def largest(self) -> float:
         """The force on a ridge, N, from which on it is in no case within the range."""
         return min(LARGEST_STRAIN * self.squeeze, self.buckling)
 
-    def strain(self, normal: float, tangential: float = 0.0) -> float:
-        """Return the largest nominal strain under the largest forces, N, of the plate on a ridge."""
-        return max(normal / self.squeeze, tangential / self.shear)
+    def strain(self, normal: float, tangential: float = 0.0, approach: float = 0.0) -> float:
+        """Return the largest nominal strain under the largest forces, N, of the plate on a ridge; of a flat
+        skin at an approach, mm."""
+        return max(normal / self.squeeze, tangential / self.shear, LARGEST_STRAIN * approach / self.deepest)
 
     def crushed_reason(self, approach: float) -> str:
-        """Return why the skin is pressed flat at this approach, mm, or ""."""
-        if approach < self.height:
+        """Return why the skin is pressed flat at this approach, mm, or beyond the range, or ""."""
+        if approach < min(self.height, self.deepest):
             return ""
+        if approach < self.height:
+            return strained_reason("skin's", self.strain(0.0, approach=approach))
         both = f"skin and {self.family}s" if self.family else "skin"
         return f"pressed flat: an approach of {approach:.3g} mm into {self.height:.3g} mm of {both}"
 
@@ -70,21 +84,27 @@ class Limits:
         """Return why the plate's largest forces on a feature, N, exceed small strain, or ""."""
         strain, of = self.strain(normal, tangential), self.family
         if strain > LARGEST_STRAIN:
-            return f"the {of}s' nominal strain is {strain:.2g}; the model's range ends at {LARGEST_STRAIN:g}"
+            return strained_reason(f"{of}s'", strain)
         if normal > self.buckling:
             return f"a {of} tips over at {self.buckling:.3g} N and would carry {normal:.3g} N"
         return ""
+
+
+def strained_reason(whose: str, strain: float) -> str:
+    """Return the words for a nominal strain beyond small strain."""
+    return f"the {whose} nominal strain is {strain:.2g}; the model's range ends at {LARGEST_STRAIN:g}"
 
 
 def limits(design: Design) -> Limits:
     """Return where small strain ends."""
     material, skin = silicone(design), skin_of(design)
     if skin.bare:
-        return Limits(skin.height, family="")
+        return Limits(skin.height, family="", deepest=LARGEST_STRAIN * skin.height)
     area = skin.placed[0].area
+    shares = tuple(placed.area / area for placed in skin.placed) if skin.placed[-1].area != area else ()
     shear = material.young_modulus.value / (1 + material.poisson_ratio) * area
     squeeze = column_modulus(design) * area
-    return Limits(skin.height, squeeze, shear, buckling_force(design), skin.family)
+    return Limits(skin.height, squeeze, shear, buckling_force(design), skin.family, shares=shares)
 
 
 def column_modulus(design: Design) -> float:
@@ -168,9 +188,8 @@ def exceeds_small_strain(design: Design, answer: Shares) -> bool:
 def _largest(design: Design, answer: Shares) -> float:
     """The most loaded feature's force, N, of rings scaled to ring 1's area; of a skin curved along y what it
     were with the middle's force per length all along."""
-    first, placed = skin_of(design).placed[0].area, skin_of(design).placed
-    forces = [(force.value or 0.0) * (first / placed[i].area) for i, force in enumerate(answer.ridge_force)]
-    return max(forces) * peak(design, answer.approach.value or 0.0)
+    forces = np.array([force.value or 0.0 for force in answer.ridge_force])
+    return float(limits(design).on_first(forces).max()) * peak(design, answer.approach.value or 0.0)
 
 
 def peak(design: Design, approach: float) -> float:
@@ -211,8 +230,7 @@ def small_strain_violation(design: Design, force: float, answer: Answer) -> str:
     ends = limits(design)
     if not ends.family:
         strain = ridge_strain(design, answer)
-        words = f"the skin's nominal strain is {strain:.2g}; the model's range ends at {LARGEST_STRAIN:g}"
-        return words if strain > LARGEST_STRAIN else ""
+        return strained_reason("skin's", strain) if strain > LARGEST_STRAIN else ""
     threshold = answer.all_touch_force.value
     at = 1.0 if threshold is None else min(1.0, threshold / force)
     return ends.overload_reason(_largest(design, answer) * at)

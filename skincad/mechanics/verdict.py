@@ -12,6 +12,7 @@ from skincad.base.estimate import Estimate
 from skincad.base.progress import about
 from skincad.base.result import Record, Result, estimate_columns, item, record, reported
 from skincad.mechanics.left_out import ALONG, FRICTION, LeftOut
+from skincad.mechanics.magnetics import MagnetSignal
 from skincad.mechanics.problem import NEGLIGIBLE, Answer, DeformedPiece, SelfContact, Yield
 
 FAR = 2.0  # times the force that all ridges need
@@ -177,6 +178,9 @@ class ContactCheck(Result):
     )
     holding: Holding | None = item(
         meaning="which lifts a gripper with this skin holds, if asked", default=None, optional=True
+    )
+    magnet: MagnetSignal | None = item(
+        meaning="what sensors read of magnets in the pins, with [magnetometer]", default=None, optional=True
     )
     deformed: tuple[DeformedPiece, ...] = field(
         default=(), compare=False

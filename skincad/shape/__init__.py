@@ -6,7 +6,7 @@ from skincad.base.faces import face
 __getattr__, __dir__ = face(
     __name__,
     """
-    crests: crest_drops shift_warnings
+    crests: FACE crest_column crest_drops crest_places shift_warnings
     curves: Loop Point Segment area concentric_hit flipped length loop polygon rectangle right_half
     families: FAMILIES
     feature: Feature Placed SensorPlace

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -9,36 +10,58 @@ import numpy as np
 from skincad.base.columns import read_columns
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
-from skincad.shape.skin import skin_of
+from skincad.shape.skin import Skin, skin_of
 
 # of the skin's thickness; the all-touch force goes with its power -0.65, so this changes it by 1.3 %
 MOST_SHIFT = 0.02
 
 
+# Places across a face where its height is measured, in half its width
+FACE = (-0.8, 0.0, 0.8)
+
+
+def crest_places(skin: Skin) -> tuple[tuple[float, float, float], ...]:
+    """Return where a part's crests are measured, x, y and height over the flat back, mm: on each feature in
+    the order of their numbers, or on a face at FACE along x."""
+    if skin.symmetry != "none":
+        return tuple((*placed.tip[:2], high) for placed, high in zip(skin.placed, skin.crests, strict=True))
+    radius, along = skin.base.curvature_radius, [place * skin.base.width / 2 for place in FACE]
+    falls = [2 * radius * math.sin(math.asin(x / radius) / 2) ** 2 for x in along]
+    return tuple((x, 0.0, skin.base.thickness - fall) for x, fall in zip(along, falls, strict=True))
+
+
+def crest_column(skin: Skin) -> str:
+    """Return what counts the places in a CSV: the feature, "place" on a face."""
+    return skin.family if skin.symmetry != "none" else "place"
+
+
 def crest_drops(path: Path | str, design: Design) -> tuple[tuple[float, ...], tuple[str, ...]]:
-    """Return by how much each crest of a measured part lies lower than designed, mm, ridge 1 first, and how
+    """Return by how much each crest of a measured part lies lower than designed, mm, feature 1 first, and how
     the file was read.
 
-    Columns `ridge` and `crest_mm`: the summit's height over the flat back, every ridge once.
+    Columns `ridge`, `pin`, `ring` or, of a face, `place`, and `crest_mm`: the height over the flat back at
+    each of `crest_places` once. `ridge` counts features of any family. Of a round face the outer two count
+    by their mean, as its section turns.
     """
-    columns = read_columns(path, ("ridge", "crest_mm"))
     skin = skin_of(design)
-    count, ridges = skin.count, columns["ridge"]
-    if sorted(ridges.tolist()) != list(range(1, count + 1)):
-        raise InputError(str(path), f"must give crest_mm of each ridge from 1 to {count} once")
-    measured = dict(zip(ridges.astype(int).tolist(), columns["crest_mm"].tolist(), strict=True))
-    designed = skin.crests
-    drops = tuple(designed[i] - measured[i + 1] for i in range(count))
-    heights, key = skin.heights, "heights" if skin.uneven else "height"
-    worst = max(range(count), key=lambda i: abs(drops[i]) - heights[i])
-    if abs(drops[worst]) > heights[worst]:
-        raise InputError(
-            f"{path}, ridge {worst + 1}",
-            f"must be within {heights[worst]:g} mm (ridge.{key}) of the designed "
-            f"{designed[worst]:.4g} mm above the back",
-            measured[worst + 1],
-        )
-    return drops, columns.notes
+    column, places = crest_column(skin), crest_places(skin)
+    columns = read_columns(path, *dict.fromkeys(((column, "crest_mm"), ("ridge", "crest_mm"))))
+    numbers = columns[column if column in columns.by_name else "ridge"]
+    if sorted(numbers.tolist()) != list(range(1, len(places) + 1)):
+        raise InputError(str(path), f"must give crest_mm of each {column} from 1 to {len(places)} once")
+    measured = dict(zip(numbers.astype(int).tolist(), columns["crest_mm"].tolist(), strict=True))
+    drops = [designed - measured[i] for i, (_, _, designed) in enumerate(places, 1)]
+    key = f"{skin.family}.{'heights' if skin.uneven else 'height'}"
+    most = list(skin.heights)
+    if column == "place":
+        key, most = "skin.thickness", [skin.base.thickness] * len(places)
+    worst = max(range(len(places)), key=lambda i: abs(drops[i]) - most[i])
+    if abs(drops[worst]) > most[worst]:
+        rule = f"must be within {most[worst]:g} mm ({key}) of the designed {places[worst][2]:.4g} mm"
+        raise InputError(f"{path}, {column} {worst + 1}", f"{rule} above the back", measured[worst + 1])
+    if column == "place" and skin.base.round:
+        drops[0] = drops[-1] = (drops[0] + drops[-1]) / 2
+    return tuple(drops), columns.notes
 
 
 def shift_warnings(drops: tuple[float, ...], design: Design) -> tuple[str, ...]:

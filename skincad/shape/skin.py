@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import shapely
@@ -24,6 +24,8 @@ from skincad.shape.curves import Loop, Point, Segment, area, loop, moments, poly
 from skincad.shape.families import place
 from skincad.shape.feature import Feature, Frame, Placed, SensorPlace, Symmetry
 
+# A section that runs along y, or along an arc there; one that turns about z; pins, which no section shows all
+Body = Literal["straight", "bent", "turned", "pins"]
 MOLDABLE_WALL = 0.04  # mm, assumption: a thinner silicone membrane tears when the shim is drawn
 GUARD_TOLERANCE = 1e-5  # mm, chord tolerance of the polygons that the guards judge
 POCKET_POINTS = 48  # round a pocket, and along it, at which its wall in a pin is measured
@@ -92,6 +94,13 @@ class Skin:
     def symmetry(self) -> Symmetry:
         """What its features' outlines run along or turn about."""
         return self.profile.symmetry
+
+    @property
+    def body(self) -> Body:
+        """How its section makes it."""
+        if self.symmetry == "revolved" and (self.count > 1 or not self.base.round):
+            return "pins"
+        return "turned" if self.base.round else "straight" if math.isinf(self.base.radius_y) else "bent"
 
     @property
     def bare(self) -> bool:

@@ -23,12 +23,9 @@ from skincad.fabrication import (
 from skincad.fabrication.crests import crest_limits, limits_decide, remarks, undecided_margin
 from skincad.fabrication.inspection import inspection, inspection_lines
 from skincad.inputs import Design, processes
-from skincad.mechanics import pad_of, plane_piece, ridge_forces, ridge_model, unit_of
-from skincad.mechanics.manufacture import all_touch
-from skincad.mechanics.models.linear import level
-from skincad.outputs import allowance
-from skincad.outputs.pages import page
-from skincad.shape import polygon, section, skin_of
+from skincad.mechanics import all_touch, level, pad_of, plane_piece, ridge_forces, ridge_model, unit_of
+from skincad.outputs import allowance, page
+from skincad.shape import crest_places, polygon, section, skin_of
 from skincad.solids import CutRole, bores
 from skincad.solids.mold import mold
 from tests.designs import KINDS, RIDGED, template
@@ -97,6 +94,23 @@ def test_an_offset_of_all_crests_is_in_their_heights_and_the_mass(yamada: Design
     offset = printed.with_(printer={"sla": {"crest_offset": 0.05}})
     remarks = [inspection(Job(variant)).said[0] for variant in (printed, offset)]
     assert remarks[0] == remarks[1]  # what layers do, beside the offset
+
+
+@pytest.mark.parametrize(
+    ("name", "column"), [("pillars-9", "pin"), ("rings-5", "ring"), ("flat-magnet", "place")]
+)
+def test_the_sheet_asks_for_what_a_measured_part_is_judged_by(name: str, column: str) -> None:
+    """A row for each place, in the order of its numbers, and the line that says how."""
+    inspected, places = inspection(Job(skincad.load(name))), crest_places(skin_of(skincad.load(name)))
+    lines = inspection_lines(inspected)
+    head = lines.index(f"| {column} | x, mm | y, mm | comes out at, mm | measured, mm | limit |")
+    table = [line.strip("| ").split(" | ") for line in lines[head + 2 : head + 2 + len(places)]]
+    assert [int(row[0]) for row in table] == list(range(1, len(places) + 1))
+    for row, (x, y, z) in zip(table, places, strict=True):
+        assert (float(row[1]), float(row[2])) == (pytest.approx(x, abs=6e-4), pytest.approx(y, abs=6e-4))
+        assert abs(float(row[3]) - z) < 0.06  # a layer of sla is 0.05 mm
+    assert len(inspected.crests.heights) == len(places)
+    assert any(f"columns `{column},crest_mm`, the first and the fifth of the table" in line for line in lines)
 
 
 @pytest.mark.parametrize("count", [1, 2])

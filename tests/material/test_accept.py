@@ -18,8 +18,9 @@ from skincad.base import Array, Stopwatch
 from skincad.inputs import Design, PressCurve, press_curve
 from skincad.material import PadCurve, PressModel, accept, acceptance, judge, small_strain_curve
 from skincad.material.acceptance import model_for, usable
-from skincad.mechanics import pad_of, plane_piece, press
-from skincad.mechanics.models.linear import level
+from skincad.mechanics import level, pad_of, plane_piece, press
+from skincad.mechanics.models import reduced
+from skincad.outputs import ACCEPTANCE
 from tests.conftest import run_skincad
 from tests.refusals import refused, refused_by, refused_command
 
@@ -280,8 +281,6 @@ def test_a_press_with_a_zero_a_plateau_or_another_unit_is_told(seed: int, tmp_pa
 @pytest.mark.parametrize(
     ("design", "options", "words"),
     [
-        ("flat-magnet", {}, "design: must be ridges or rings"),
-        ("pins-dome", {}, "design: must be ridges or rings"),
         ("plain-ridges", {"ruled_out": ["ridges"]}, "ruled_out: unknown cause, got 'ridges'; did you mean"),
         ("plain-ridges", {"ruled_out": [*CAUSES]}, "ruled_out: must leave a cause"),
         ("plain-ridges", {"good_share": 1.0}, "good_share: must be above 0 and below 1, got 1"),
@@ -293,6 +292,110 @@ def test_what_it_cannot_judge_is_refused(
 ) -> None:
     with refused_by(words):
         accept(skincad.load(design), WHOLE.write(tmp_path), **options)
+
+
+@pytest.mark.parametrize(
+    ("design", "settings", "words"),
+    [
+        (
+            "plain-ridges",
+            "skin.curvature_radius_y=60",
+            "skin.curvature_radius_y: must not be given to accept",
+        ),
+        ("plain-ridges", "contact.plate.shape=cylinder", "contact.plate.shape: must be flat or tilted"),
+        ("pillars-9", "contact.plate.shape=tilted", "contact.plate.shape: must be flat for pins"),
+    ],
+)
+def test_skins_and_plates_without_curves_are_refused(design: str, settings: str, words: str) -> None:
+    size = {"cylinder": ["contact.plate.radius=50"], "tilted": ["contact.plate.tilt=1"]}
+    more = size.get(settings.rpartition("=")[2], [])
+    with refused_by(words):
+        accept(skincad.load(design, [settings, *more]), WHOLE.rows())
+
+
+APPROACHES = (0.0, 0.11089, 0.17347, 0.26749, 0.34538, 0.41262, 0.47098, 0.52717, 0.583, 0.72904, 0.94618)
+
+
+def rows_of(force: Array, approach: Array, seed: int = 1) -> PressCurve:
+    """A press read finely."""
+    rng = np.random.default_rng(seed)
+    gone = approach + FINE[1] * (rng.standard_normal(force.size) + rng.standard_normal())
+    return PressCurve("press.csv", gone, force + FINE[0] * rng.standard_normal(force.size), *FINE)
+
+
+PINS = "pillars-9", ("contact.friction=0.0",)
+PULLED = np.linspace(0.15, 1.5, 10)  # N
+
+
+@cache
+def pins_pressed(modulus: float, drops: tuple[float, ...]) -> Array:
+    """Approaches of pins of a modulus, MPa, with crests that scatter and lie lower: by Newton's method on all
+    pins in the place of the judge's tables."""
+    scatter = 0.015 * np.random.default_rng(4).standard_normal(9)
+    model = reduced.pin_model(skincad.load(*PINS)).lowered(tuple((scatter + np.array(drops)).tolist()))
+    return np.array([reduced.pressed(model, force * 0.46 / modulus)[1] for force in PULLED])
+
+
+@cache
+def pins_model() -> PressModel:
+    good = rows_of(PULLED, pins_pressed(0.46, (0.0,) * 9))
+    return model_for(skincad.load(*PINS), good, Stopwatch(None))[1]
+
+
+@pytest.mark.evidence(subject="pillars-9 pressed")
+@pytest.mark.parametrize(
+    ("modulus", "drops", "back", "verdict", "cause"),
+    [
+        (0.46, (0.0,) * 9, 0.0, "in", None),
+        (0.16, (0.0,) * 9, 0.0, "out", "modulus"),
+        (1.2, (0.0,) * 9, 0.0, "out", "modulus"),
+        (0.46, (0.0,) * 4 + (4.7,) + (0.0,) * 4, 0.0, "out", "ridge"),
+        (0.46, (-1.0,) * 3 + (0.0,) * 3 + (1.0,) * 3, 0.0, "out", "crests"),
+        (0.46, (0.0,) * 9, 0.5, "out", "back"),
+    ],
+)
+def test_pins_are_judged_too(
+    modulus: float, drops: tuple[float, ...], back: float, verdict: str, cause: str | None
+) -> None:
+    press = rows_of(PULLED, pins_pressed(modulus, drops) + back * PULLED)
+    result = judge("pillars-9", [(pins_model(), press)], ("friction",), 0.97 if verdict == "in" else 0.5)
+    assert result.verdict == verdict
+    # what is too soft may be silicone or back, as of ridges
+    assert cause in {row.cause for row in result.causes[: 2 if back or modulus < 0.3 else 1]} | {result.cause}
+    assert result.family == "pin"
+    words = " ".join(ACCEPTANCE.lines(result))
+    assert "ridge" not in words
+    if cause == "ridge":
+        assert result.causes[0].place == "5"
+        assert "a pin that did not fill (perhaps 5)" in words
+    if result.cause == "modulus":
+        assert abs(result.causes[0].size.value - modulus) <= (result.causes[0].size.error or 0.0)
+
+
+@pytest.mark.evidence(subject="flat-magnet pressed")
+def test_a_face_is_judged_too() -> None:
+    """Approaches by `check flat-magnet --model corrected-finite-strain --set contact.friction=0.0`."""
+    design = skincad.load("flat-magnet", ["contact.friction=0.0"])
+    forces = np.array([0.0, 0.3, 0.6, 1.2, 1.8, 2.4, 3.0, 3.6, 4.2, 6.0, 9.0])
+    known = np.array(APPROACHES)
+    rows = np.linspace(0.4, 4.0, 10)
+
+    def pressed(modulus: float, back: float = 0.0) -> PressCurve:
+        scaled = np.sqrt(rows * 0.07 / modulus)
+        return rows_of(rows, np.interp(scaled, np.sqrt(forces), known) + back * rows)
+
+    model = model_for(design, pressed(0.07), Stopwatch(None))[1]
+    good = judge(design.name, [(model, pressed(0.07))], ("friction",), 0.97)
+    assert (good.verdict, good.cause, good.family) == ("in", None, "flat")
+    assert abs(good.young_modulus.value - 0.07) <= good.young_modulus.error
+    stiff = judge(design.name, [(model, pressed(0.2))], ("friction",))
+    assert (stiff.verdict, stiff.cause) == ("out", "modulus")
+    soft_back = judge(design.name, [(model, pressed(0.07, 0.2))], ("friction",))
+    assert (soft_back.verdict, soft_back.cause) == ("out", "back")
+    for result in (good, stiff, soft_back):  # nothing of a face can be missing
+        assert {row.cause for row in result.causes} == {"modulus", "crests", "back"}
+        assert "the face bends or tilts from side to side" in {row.words for row in result.causes}
+    assert "all crests" not in " ".join(good.warnings)
 
 
 @pytest.mark.evidence(subject="rings-5")

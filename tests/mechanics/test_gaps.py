@@ -287,3 +287,9 @@ def test_a_step_unloads_the_ridges_under_it() -> None:
 def test_a_plate_out_of_range_is_refused(plate: dict, words: str) -> None:
     with refused_by(words):
         linear_check(PLAIN.with_(contact={"plate": plate}))
+
+
+@pytest.mark.parametrize("name", ["rings-5", "pillars-9"])
+def test_a_plate_that_no_model_takes_is_refused(name: str) -> None:
+    with refused_by("contact.plate.shape: must be 'flat' for pins and for a round skin, got 'tilted'"):
+        skincad.check(skincad.load(name).with_(contact={"plate": {"shape": "tilted", "tilt": 1.0}}))

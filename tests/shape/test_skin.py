@@ -14,11 +14,14 @@ import skincad
 from skincad.base import InputError
 from skincad.inputs import Design, template_names
 from skincad.shape import (
+    FACE,
     Point,
     Segment,
     area,
     concentric_hit,
+    crest_column,
     crest_drops,
+    crest_places,
     flipped,
     length,
     polygon,
@@ -308,6 +311,47 @@ def test_a_crest_farther_off_than_a_ridge_is_high_is_refused(
     assert refused.value.value == pytest.approx(designed + sign * 1.1 * height, abs=1e-12)
     lower[7], lower[4] = -sign * 0.999 * height, sign * height  # the middle one just as far: it is exact
     assert len(crest_drops(measured(path, yamada, lower), yamada)[0]) == 9
+
+
+@pytest.mark.parametrize(
+    ("name", "column", "count"),
+    [
+        ("pillars-9", "pin", 9),
+        ("rings-5", "ring", 5),
+        ("flat-magnet", "place", 3),
+        ("plain-ridges", "ridge", 9),
+    ],
+)
+def test_each_family_has_its_places_and_its_column(
+    name: str, column: str, count: int, tmp_path: Path
+) -> None:
+    design = skincad.load(name)
+    places, lower = crest_places(skin_of(design)), [0.01 * i for i in range(count)]
+    assert (crest_column(skin_of(design)), len(places)) == (column, count)
+    rows = [f"{i},{z - drop!r}" for i, ((_, _, z), drop) in enumerate(zip(places, lower, strict=True), 1)]
+    path = tmp_path / "crests.csv"
+    for header in (column, "ridge"):  # which counts features of any family
+        path.write_text("\n".join([f"{header},crest_mm", *rows]))
+        assert crest_drops(path, design)[0] == pytest.approx(lower, abs=1e-12)
+    path.write_text("\n".join([f"{column},crest_mm", *rows[:-1]]))
+    with pytest.raises(InputError, match=f"must give crest_mm of each {column} from 1 to {count} once"):
+        crest_drops(path, design)
+    path.write_text("\n".join([f"{column},crest_mm", *rows[:-1], f"{count},-1.0"]))
+    with pytest.raises(InputError, match=rf"{column} {count}: must be within .* mm \((\w+)\.\w+\) of the"):
+        crest_drops(path, design)
+
+
+def test_a_faces_places_lie_on_its_arc_and_both_sides_of_a_round_one_count_alike(tmp_path: Path) -> None:
+    design = skincad.load("flat-magnet")
+    for (x, y, z), place in zip(crest_places(skin_of(design)), FACE, strict=True):
+        assert (x, y) == (pytest.approx(place * design.skin.width / 2), 0.0)
+        assert math.hypot(x, z - design.skin.thickness + 60.0) == pytest.approx(60.0, abs=1e-9)
+    bare = {"pocket": None, "rows": None, "columns": None, "pitch": None}
+    disc = design.with_(skin={"outline": "round"}, flat=bare)
+    heights = [z for _, _, z in crest_places(skin_of(disc))]
+    rows = [f"{i},{z - drop!r}" for i, (z, drop) in enumerate(zip(heights, [0.1, 0.0, 0.3], strict=True), 1)]
+    (tmp_path / "crests.csv").write_text("\n".join(["place,crest_mm", *rows]))
+    assert crest_drops(tmp_path / "crests.csv", disc)[0] == pytest.approx((0.2, 0.0, 0.2), abs=1e-12)
 
 
 def test_a_file_of_numbers_without_heights_is_refused(tmp_path: Path, yamada: Design) -> None:

@@ -19,7 +19,7 @@ touching nodes instead would jump with the mesh.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import linalg, optimize, sparse
@@ -31,6 +31,7 @@ from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.condense import condense
 from skincad.mechanics.bodies.elements import ContactStiffness
 from skincad.mechanics.problem import ContactError, Pad, rise
+from skincad.shape.crests import FACE
 
 SWEEPS = 60  # primal-dual sweeps; five to ten is usual, beyond this it cycles
 ROUNDING = 1e-12  # relative; what counts as zero when the active set is updated
@@ -222,7 +223,8 @@ class Ridges:
     `flexibility` `(m, m)` and `gap` `(m,)` belong to the contact points, `of_point` `(m,)` gives their
     ridge; `fine_gap` `(p,)`, `fine_edge` `(p,)`, `fine_of_point` `(p,)` belong to the fine sampling. The
     contact unknowns `(m,)` move the points by `rows` `(m, m)`, the fine sampling by `fine_rows` `(p, m)`.
-    `definite` says whether the pad is stable without its plate.
+    `definite` says whether the pad is stable without its plate. `across` `(m,)` and `fine_across` `(p,)` are
+    places from -1 to 1, in the distance of the farthest from x = 0.
     """
 
     flexibility: Array
@@ -234,6 +236,8 @@ class Ridges:
     fine_edge: Index
     fine_of_point: Index
     definite: bool = True
+    across: Array = field(default_factory=lambda: np.empty(0))
+    fine_across: Array = field(default_factory=lambda: np.empty(0))
 
     @classmethod
     def of(
@@ -251,6 +255,7 @@ class Ridges:
         nodes, fine = system.nodes, system.fine
         fine_gap = top - fine.position[:, 1] + rise(fine.position[:, 0])
         first = 0.0 if rise is np.zeros_like else float(fine_gap.min())
+        farthest = float(np.abs(fine.position[:, 0]).max())
         return cls(
             seen_by(nodes.rows, flexibility),
             top - nodes.position[:, 1] + rise(nodes.position[:, 0]) - first,
@@ -260,16 +265,23 @@ class Ridges:
             fine_gap - first,
             fine.edge,
             fine.ridge,
+            across=nodes.position[:, 0] / farthest,
+            fine_across=fine.position[:, 0] / farthest,
         )
 
     def lowered(self, drops: Array) -> Ridges:
         """Return the same pad with each ridge's crest lower by `drops` `(ridges,)`, higher where negative.
 
+        A face is lower by three `drops` at FACE, and elsewhere by the parabola through these.
         The gaps count from the first touch as before, so the same drop of all crests changes nothing.
         """
-        by_ridge = dict(zip(self.numbers.tolist(), drops.tolist(), strict=True))
-        at_points = np.array([by_ridge[r] for r in self.of_point.tolist()])
-        fine = np.array([by_ridge[r] for r in self.fine_of_point.tolist()])
+        if drops.size == len(FACE) and self.numbers.size == 1:
+            across = np.polyfit(FACE, drops, 2)
+            at_points, fine = np.polyval(across, self.across), np.polyval(across, self.fine_across)
+        else:
+            by_ridge = dict(zip(self.numbers.tolist(), drops.tolist(), strict=True))
+            at_points = np.array([by_ridge[r] for r in self.of_point.tolist()])
+            fine = np.array([by_ridge[r] for r in self.fine_of_point.tolist()])
         later = float((self.fine_gap + fine).min() - self.fine_gap.min())
         return replace(self, gap=self.gap + at_points - later, fine_gap=self.fine_gap + fine - later)
 
@@ -395,13 +407,13 @@ def seen_by_plate(
     return ridges.lowered(np.array(crest_offsets) / unit) if crest_offsets else ridges
 
 
-def height_above(
-    pad: Pad, ridges: Ridges, system: ContactStiffness, approach: float, unit: float
-) -> Callable[[Array], Array]:
-    """Return the plate's height over x, in units, at an approach; gaps count from the first touch.
+def over_crests(ridges: Ridges, position: Array) -> Callable[[Array], Array]:
+    """Return how high a flat plate is over x where it first touches, in units, from contact points at
+    `position` `(m, 2)`.
 
-    Of a measured part, whose crests are moved and whose mesh is not, as over the ridge that it is closest to.
+    Of a measured part, whose crests are moved and whose mesh is not, as far over each crest as over the
+    part's, and between two by a line.
     """
-    x, z = system.nodes.position.T
-    first = float((z + ridges.gap - rise(pad.plate, x * unit) / unit).min())
-    return lambda at: np.asarray(first - approach + rise(pad.plate, at * unit) / unit)
+    order = np.argsort(position[:, 0], kind="stable")
+    x, level = position[order, 0], (position[:, 1] + ridges.gap)[order]
+    return lambda at: np.asarray(np.interp(at, x, level))

@@ -21,7 +21,7 @@ TABLE = np.linspace(0.0, 1.0, 25)[1:] ** 2  # forces of the tables, dense where 
 SWEEPS = 4000  # under a force far below what closes the gaps each sweep leaves 98 % of the error
 BATCH = 500  # parts swept together: their forces stay in a processor's cache
 SETTLED = 1e-9  # relative, of the force; Gauss-Seidel ends there
-MAX_RIDGES = 320  # ridges; of more the yield would be that of fewer than 40 parts (manufacture.BATCH_PARTS)
+MAX_RIDGES = 1000  # features; more take minutes
 ROUNDING = 1e-13  # of the force that closes all gaps; a force far below it is rounding
 
 
@@ -34,8 +34,7 @@ def ridge_model(
     `unit` mm and `scale` N the pad's units. Raises ContactError for a pad of more than MAX_RIDGES ridges.
     """
     numbers = np.unique(of_point)
-    if numbers.size > MAX_RIDGES:
-        raise ContactError(f"the ridge model takes at most {MAX_RIDGES} ridges, got {numbers.size}")
+    check_few(numbers.size)
     inside = [np.flatnonzero(of_point == number) for number in numbers]
     first = np.array([gap[points].min() for points in inside])
     force = np.concatenate([[0.0], TABLE * largest / scale])
@@ -53,6 +52,12 @@ def ridge_model(
     coupling = spread.T @ (flexibility @ spread)
     np.fill_diagonal(coupling, 0.0)
     return RidgeModel(first, coupling, force, table, unit, scale)
+
+
+def check_few(count: int) -> None:
+    """Raise ContactError for more than MAX_RIDGES features."""
+    if count > MAX_RIDGES:
+        raise ContactError(f"the ridge model takes at most {MAX_RIDGES} features, got {count}")
 
 
 def ridge_forces(model: RidgeModel, drop: Array, force: Array) -> Array:
@@ -74,6 +79,20 @@ def ridge_forces(model: RidgeModel, drop: Array, force: Array) -> Array:
         some = slice(first, first + BATCH)
         forces[some] = _settle(model, by_one, low[some].T, force[some], rounding).T
     return forces
+
+
+def ridge_approach(model: RidgeModel, drop: Array, force: Array) -> tuple[Array, Array]:
+    """Return the forces `(s, n)` of s parts as `ridge_forces`, and the plate's approach `(s,)` from the first
+    touch: that of the most loaded ridge."""
+    forces, part = ridge_forces(model, drop, force), np.arange(len(drop))
+    most, low = forces.argmax(axis=1), model.gap + drop
+    beyond = (model.indentation[:, -1] - model.indentation[:, -2]) / (model.force[-1] - model.force[-2])
+    own = [
+        np.interp(load, model.force, model.indentation[i]) + beyond[i] * max(load - model.force[-1], 0.0)
+        for load, i in zip(forces[part, most], most, strict=True)
+    ]
+    coupled = (model.coupling[most] * forces).sum(axis=1)
+    return forces, low[part, most] - low.min(axis=1) + np.array(own) + coupled
 
 
 def _settle(model: RidgeModel, by_one: Array, low: Array, force: Array, rounding: float) -> Array:

@@ -25,6 +25,7 @@ from skincad.mechanics.bodies import elements, plane_body
 from skincad.mechanics.bodies.condense import MOST_CONTACT_UNKNOWNS
 from skincad.mechanics.bodies.mesh import PadPiece
 from skincad.mechanics.bodies.plane_body import transferred
+from skincad.mechanics.contact.frictionless import over_crests
 from skincad.mechanics.contact.newton import (
     DivergedError,
     PadTangent,
@@ -129,7 +130,7 @@ def at_force(
     reached = 0.0
     try:
         state = press_to(problem, force, guess, rest)
-        wrong = problem.body.undetected_contact(state.values, problem.top - state.contact.approach)
+        wrong = _undetected_contact(problem, state)
     except DivergedError as failure:
         wrong, reached = str(failure), failure.reached
     if wrong is None:
@@ -138,6 +139,13 @@ def at_force(
     rule = f"must lie within the finite-strain model's range{range_}: {wrong}"
     remedy = "take a smaller force, or a harder silicone or wider ridges"
     raise InputError("force", rule, force * scale, remedy)
+
+
+def _undetected_contact(problem: PressedPad, state: PressedState) -> str | None:
+    """What touches without being in contact, of a part with its own crests too."""
+    over = over_crests(state.tangent.ridges, problem.body.rest.nodes.position)
+    plate = problem.top - state.contact.approach
+    return problem.body.undetected_contact(state.values, plate, lambda x: over(x) - problem.top)
 
 
 def all_touch(
@@ -150,7 +158,7 @@ def all_touch(
     reached = state.force
     try:
         touching = press_until_all_touch(problem, state, guess)
-        wrong = problem.body.undetected_contact(touching.values, problem.top - touching.contact.approach)
+        wrong = _undetected_contact(problem, touching)
         if wrong is None:
             return touching.force, touching, ""
     except DivergedError as failure:

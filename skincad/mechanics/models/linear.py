@@ -36,8 +36,8 @@ from skincad.mechanics.contact.frictionless import (
     NodalContact,
     Ridges,
     all_touch_force,
-    height_above,
     on_both_sides,
+    over_crests,
     press,
     seen_by_plate,
 )
@@ -61,6 +61,7 @@ from skincad.mechanics.problem import (
     no_yield,
     one_ridge,
     pad_of,
+    rise,
 )
 
 
@@ -171,6 +172,8 @@ def level(
     with watch.stage("condense"):
         small = condense(system.matrix, system.interior, system.contact)
     ridges = seen_by_plate(pad, system, small.flexibility, unit, crest_offsets)
+    x, z = system.nodes.position.T
+    over = over_crests(ridges, np.column_stack([x, z - rise(pad.plate, x * unit) / unit]))
 
     def pressed(force: float) -> tuple[NodalContact, Array, list[DeformedLoop], str | None]:
         state = press(ridges.flexibility, ridges.gap, force / scale)
@@ -178,8 +181,12 @@ def level(
         load[system.contact] = -(system.nodes.rows.T @ state.force)
         moved = small.solve(load)
         outlines = elements.outlines(system, moved)
-        plate = height_above(pad, ridges, system, state.approach, unit)
-        return state, moved, outlines, undetected_contact(outlines, plate, mirrored=meshed.mirrored)
+        wrong = undetected_contact(
+            outlines,
+            lambda x: over(x) - state.approach + rise(pad.plate, x * unit) / unit,
+            mirrored=meshed.mirrored,
+        )
+        return state, moved, outlines, wrong
 
     with watch.stage("contact"):
         state, moved, outlines, wrong = pressed(force)
@@ -479,20 +486,27 @@ def estimated_answer(
 
 
 def contact_width(best: PlaneSolution, lower: PlaneSolution) -> Estimate:
-    """Return how wide one contact over x = 0 is, mm: of a section that turns its diameter.
+    """Return how wide the contact of a face is, mm: of a section that turns its diameter.
 
     It ends halfway between the last point under pressure and the next. The error is what lies between them,
     and what the order changes.
     """
-    ends = []
-    for solution in (best, lower):
-        order = np.argsort(np.abs(solution.x))
-        far, loaded = np.abs(solution.x)[order], solution.pressure[order] > 0
+    (width, open_), (other, _) = (width_of(s.x, s.pressure) for s in (best, lower))
+    return Estimate(width, open_ + abs(width - other), "mm")
+
+
+def width_of(x: Array, pressure: Array) -> tuple[float, float]:
+    """Return how far it is between the ends of a contact, mm, and how far their points are from the next;
+    of a piece at x >= 0 with its image. `x` and `pressure` `(m,)` are the contact points'."""
+    ends, whole = [], float(x.min()) < -1e-6 * float(x.max())
+    for side in (1, -1) if whole else (1,):
+        order = np.argsort(side * x)
+        far, loaded = side * x[order], pressure[order] > 0
         last = int(np.flatnonzero(loaded).max())
         following = far[min(last + 1, far.size - 1)]
         ends.append((far[last] + following, following - far[last]))
-    (width, open_), (other, _) = ends
-    return Estimate(float(width), float(open_ + abs(width - other)), "mm")
+    width, open_ = np.mean(ends, axis=0)
+    return float(width), float(open_)
 
 
 def _add(total: dict[str, float], more: dict[str, float]) -> None:

@@ -18,7 +18,7 @@ from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.mechanics.left_out import FINITE_STRAIN, FREE_ENDS
 from skincad.mechanics.problem import Answer, Request
-from skincad.shape.skin import skin_of
+from skincad.shape.skin import Body, skin_of
 
 
 @dataclass(frozen=True)
@@ -27,9 +27,9 @@ class ContactModel:
     answers that it builds on.
 
     `price` is the time of its own part, without the models in `builds_on`, in that of the linear model: of
-    yamada-2002, whose strips ask for a fine section. It judges skins of `families` and, beside flat plates
-    and straight rectangular skins, what it `takes`. Only if the pad itself is `meshed` there is a yield,
-    friction is computed, and its time tells that of others.
+    yamada-2002, whose strips ask for a fine section. It judges skins of `families` and `bodies` and, beside
+    flat plates, what it `takes`. Only if the pad itself is `meshed` friction is computed,
+    and its time tells that of others.
     """
 
     where: str
@@ -39,44 +39,43 @@ class ContactModel:
     takes: tuple[str, ...] = ()
     meshed: bool = True
     families: tuple[str, ...] = ("ridge", "flat")
+    bodies: tuple[Body, ...] = ("straight",)
 
 
-SHAPED, MEASURED, DOUBLY, ROUND = "shaped plates", "measured crests", "double curvature", "discs"
+SHAPED, MEASURED = "shaped plates", "measured crests"
 SMALL, ALL = (FINITE_STRAIN,), ("ridge", "flat", "ring", "pin")
+WITH_BENT: tuple[Body, ...] = ("straight", "bent")
+WITH_TURNED: tuple[Body, ...] = ("straight", "turned")
 MODELS = {
     "winkler": ContactModel(
-        "winkler:answer", 2e-3, takes=(SHAPED, DOUBLY), meshed=False, families=("ridge",)
+        "winkler:answer", 2e-3, takes=(SHAPED,), meshed=False, families=("ridge",), bodies=WITH_BENT
     ),
     "reduced": ContactModel(
-        "reduced:answer", 5.0, SMALL, takes=(ROUND,), meshed=False, families=("ridge", "pin")
+        "reduced:answer", 5.0, SMALL, (), (MEASURED,), False, ("ridge", "pin"), ("straight", "turned", "pins")
     ),
     "linear": ContactModel(
-        "linear:answer", 1.0, (FREE_ENDS, *SMALL), takes=(SHAPED, MEASURED, ROUND), families=ALL
+        "linear:answer", 1.0, (FREE_ENDS, *SMALL), takes=(SHAPED, MEASURED), families=ALL, bodies=WITH_TURNED
     ),
     "corrected": ContactModel("corrected:answer", 2.0, SMALL, ("linear",), (SHAPED, MEASURED)),
     "finite-strain": ContactModel(
-        "finite_strain:answer", 3.0, (FREE_ENDS,), takes=(MEASURED, ROUND), families=ALL
+        "finite_strain:answer", 3.0, (FREE_ENDS,), takes=(MEASURED,), families=ALL, bodies=WITH_TURNED
     ),
     "corrected-finite-strain": ContactModel(
         "solid_finite_strain:on_corrected", 5.0, builds_on=("corrected",), takes=(MEASURED,)
     ),
-    "solid": ContactModel("solid:answer", 15.0, SMALL, takes=(SHAPED, DOUBLY)),
-    "solid-finite-strain": ContactModel("solid_finite_strain:answer", 10.0, (), ("solid",), (DOUBLY,)),
+    "solid": ContactModel("solid:answer", 15.0, SMALL, takes=(SHAPED,), bodies=WITH_BENT),
+    "solid-finite-strain": ContactModel(
+        "solid_finite_strain:answer", 10.0, builds_on=("solid",), bodies=WITH_BENT
+    ),
 }
 AUTO = tuple(MODELS)  # cheapest first
 MANY = 60  # features; of more `auto` takes the reduced model first, of fewer never
 # Models of `auto` that are for some designs only
 AUTO_IF: dict[str, Callable[[Design], bool]] = {
-    "reduced": lambda design: skin_of(design).count > MANY or _is_pins(design),
-    "finite-strain": lambda design: design.skin.round,
-    "solid": lambda design: design.skin.curvature_radius_y is not None,
+    "reduced": lambda design: skin_of(design).count > MANY or skin_of(design).body == "pins",
+    "finite-strain": lambda design: skin_of(design).body == "turned",
+    "solid": lambda design: skin_of(design).body == "bent",
 }
-
-
-def _is_pins(design: Design) -> bool:
-    """Whether a design has pins that no section through the middle shows."""
-    skin = skin_of(design)
-    return skin.symmetry == "revolved" and (skin.count > 1 or not design.skin.round)
 
 
 def model_named(name: str) -> ContactModel:
@@ -94,7 +93,8 @@ def is_small_strain(name: str) -> bool:
 def left_out_by(name: str, design: Design) -> tuple[str, ...]:
     """Return what a model leaves out of a design: a disc has no free ends."""
     effects = MODELS[name].leaves_out
-    return tuple(effect for effect in effects if effect != FREE_ENDS) if design.skin.round else effects
+    turned = skin_of(design).body == "turned"
+    return tuple(effect for effect in effects if not (turned and effect == FREE_ENDS))
 
 
 def unsupported_reason(name: str, design: Design, measured: bool) -> str:
@@ -104,25 +104,25 @@ def unsupported_reason(name: str, design: Design, measured: bool) -> str:
 
 def _unsupported(name: str, design: Design, measured: bool) -> Iterator[str]:
     model, shape, skin = model_named(name), design.contact.plate.shape, skin_of(design)
-    if skin.family not in model.families or (design.skin.round and ROUND not in model.takes):
-        discs = ROUND in model.takes
-        takes = [family for family in model.families if discs or family not in ("ring", "pin")]
-        disc = "" if discs else " on a rectangular skin"
-        yield f"{skin.family}: is not judged by the {name} model, which takes {' or '.join(takes)}{disc}"
-    if name != "reduced" and _is_pins(design):
+    missing = skin.body if skin.body not in model.bodies else ""
+    if skin.family not in model.families or missing == "turned":
+        disc = "" if "turned" in model.bodies else " on a rectangular skin"
+        takes = " or ".join(model.families)
+        yield f"{skin.family}: is not judged by the {name} model, which takes {takes}{disc}"
+    if missing == "pins":
         yield f"pin: must be one, on a round skin, for the {name} model"
-    if shape != "flat" and (design.skin.round or SHAPED not in model.takes):
-        what = "a round skin" if design.skin.round else f"the {name} model"
+    if shape != "flat" and (skin.body == "turned" or SHAPED not in model.takes):
+        what = "a round skin" if skin.body == "turned" else f"the {name} model"
         yield f"contact.plate.shape: must be 'flat' for {what}"
-    doubly = design.skin.curvature_radius_y is not None and skin.symmetry != "revolved"
-    if doubly and DOUBLY not in model.takes:
+    if missing == "bent":
         words = f"must not be given for the {name} model, which takes the skin as straight along y"
         yield f"skin.curvature_radius_y: {words}"
-    if name == "reduced" and skin.symmetry == "extruded" and skin.uneven:
+    one_section = name == "reduced" and skin.family == "ridge"
+    if one_section and skin.uneven:
         yield "ridge.heights: must be alike for the reduced model"
-    if name == "reduced" and skin.symmetry == "extruded" and design.shot:
+    if one_section and design.shot:
         yield "shot: must not be given with [ridge] for the reduced model, which takes one silicone there"
-    if measured and MEASURED not in model.takes:
+    if measured and (one_section or MEASURED not in model.takes):
         yield f"measured: is not judged by the {name} model"
 
 

@@ -216,7 +216,7 @@ def test_what_a_model_does_not_take_is_refused(model: str, tmp_path: Path) -> No
     (tmp_path / "crests.csv").write_text("ridge,crest_mm\n1,4.5\n2,4.5\n3,4.5\n")
     for taken, design, options, words in (
         ("shaped plates" in table.takes, tilted, {}, r"contact\.plate\.shape: must be 'flat' for the"),
-        ("double curvature" in table.takes, bent, {}, r"skin\.curvature_radius_y: must not be given"),
+        ("bent" in table.bodies, bent, {}, r"skin\.curvature_radius_y: must not be given"),
         ("measured crests" in table.takes, DESIGN, part, "measured: is not judged by the"),
     ):
         if not taken:
