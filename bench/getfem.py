@@ -19,6 +19,7 @@ from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from subprocess import run
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,8 +80,16 @@ def missing() -> str:
     return f"GetFEM is not compared: apt-get install {' '.join(PACKAGES)}"
 
 
-def drag(pad: Pad, fineness: float, drives: list[Drive], friction: float) -> FrictionalPad:
-    """Return GetFEM's states at these drives' ends; each needs a normal force and a travel.
+def drag(
+    pad: Pad,
+    fineness: float,
+    drives: list[Drive],
+    friction: float,
+    augmentation: float = AUGMENTATION,
+    start: float = START,
+) -> FrictionalPad:
+    """Return GetFEM's states at these drives' ends; each needs a normal force and a travel. A softer skin
+    wants a smaller `augmentation`, MPa/mm, and a larger approach `start` of the first contact, mm.
 
     Raises RuntimeError when a program fails.
     """
@@ -88,21 +97,21 @@ def drag(pad: Pad, fineness: float, drives: list[Drive], friction: float) -> Fri
         folder = Path(name)
         lines = calculix.geometry(pad, default_sizes(pad, fineness), recombined=False)
         calculix.meshed(lines, 2, folder)
-        (folder / "asked.json").write_text(json.dumps(_asked(pad, drives, friction)))
+        asked = _asked(pad, drives, friction)
+        asked["numbers"] |= {"augmentation": augmentation, "start": start}
+        (folder / "asked.json").write_text(json.dumps(asked))
         calculix.run_program([PYTHON, "-I", str(PROCESS)], folder)
         return read((folder / "found.json").read_text(), pad.length)
 
 
-def _asked(pad: Pad, drives: list[Drive], friction: float) -> dict[str, object]:
+def _asked(pad: Pad, drives: list[Drive], friction: float) -> dict[str, Any]:
     """What the process is told; forces are of a slice 1 mm long."""
     shear = pad.young_modulus / (2 * (1 + pad.poisson_ratio))
     numbers = {
         "shear": shear,
         "lame": 2 * shear * pad.poisson_ratio / (1 - 2 * pad.poisson_ratio),
         "coefficient": friction,
-        "augmentation": AUGMENTATION,
         "rate": 1.0,
-        "start": START,
         "width": sum(s.length for s in pad.section.outline if s.kind == "back"),
     }
     return {

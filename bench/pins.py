@@ -5,7 +5,8 @@ minute each: 9 or 25 graded pins on flat, bent and doubly curved bases; Poisson'
 another: CalculiX has no hybrid elements. `python -m bench.pins layers [first] [end]`: on a back a twentieth
 to twenty times as stiff. `python -m bench.pins times`: seconds of a check by the number of pins. `python -m
 bench.pins slip`: six graded pins at finite strain with friction, two minutes. Half of that skin is meshed,
-cut between the pins: where a cut runs through a tip CalculiX may lose its contact.
+cut between the pins: where a cut runs through a tip CalculiX may lose its contact. `python -m bench.pins
+magnets`: how magnets in these six go and turn under forces on two tips, half a minute.
 
 The solid is of gmsh's tetrahedra of ten nodes. A rigid flat plate is driven to one approach after another,
 and may then be pulled along x: penalty contact, free sides. Layers are solids that share their nodes. Of a
@@ -30,10 +31,11 @@ import skincad
 from bench import runner
 from bench.calculix import SIZED, meshed, run_program
 from skincad.base import RefusedError
-from skincad.effects.pin_pad import pin_pad
+from skincad.effects import Share, Step
+from skincad.effects.pin_pad import bent_pad, pin_pad
 from skincad.inputs import Design, layers, shoulder
 from skincad.inputs.material import silicone
-from skincad.mechanics import Drive, advance, pin_tops
+from skincad.mechanics import Drive, FrictionCoefficients, advance, magnetic_pins, pin_tops
 from skincad.mechanics.contact.tips import unloaded
 from skincad.mechanics.models import reduced
 from skincad.shape import heights, skin_of
@@ -50,6 +52,9 @@ EDGE = 1e-6  # mm, from a plane, on which a node is
 FINENESS = 6  # elements over a tip
 LEVELS = 0.92, 0.98  # of the approach at which all touch
 STRAIN = 0.05  # of a pin, at the force whose shares are compared
+MAGNET, RIGID = 99, 1e3  # a magnet's number among shots, and how many times as stiff it is as the silicone
+LOADS = (1, 1), (1, 2), (2, 0), (2, 2)  # on which pin, and along which axis
+LOADED = 0.4  # of the tip's radius, within which nodes bear a load
 FRICTION, DOWN = 0.3, 0.2  # mm, after half of it
 PULLS = 0.1, 0.2, 0.3, 0.4, 0.5  # mm
 SIZE = 0.45  # mm, of elements
@@ -104,6 +109,21 @@ def press(
     return np.asarray((forces * whole[:, None])[:, like]), rises[:, like]
 
 
+def _middle(design: Design, pin: int) -> NDArray[np.float64]:
+    """The middle of a pin's magnet, mm."""
+    return np.array([*skin_of(design).placed[pin - 1].tip[:2], sum(design.features.pocket.magnet_span) / 2])
+
+
+def _in_magnets(design: Design, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether points `(m, 3)` mm lie in each pin's magnet `(m, pins)`."""
+    pocket = design.features.pocket
+    if pocket is None or pocket.magnet is None:
+        return np.zeros((len(points), 1), dtype=bool)
+    away = points[:, None] - [_middle(design, pin) for pin in range(1, skin_of(design).count + 1)]
+    wide, long = pocket.magnet.diameter / 2 + EDGE, pocket.magnet.length / 2 + EDGE
+    return (np.hypot(away[..., 0], away[..., 1]) < wide) & (np.abs(away[..., 2]) < long)
+
+
 def _is_mirrored(design: Design) -> bool:
     """Whether the planes x = 0 and y = 0 mirror the pins."""
     tips = np.array([placed.tip for placed in skin_of(design).placed])
@@ -118,7 +138,9 @@ def tetrahedra(design: Design, size: float, folder: Path, planes: int) -> Tetrah
     """Return gmsh's mesh of the skin's solid, its half at positive y, or its quarter at positive x too."""
     import cadquery as cq
 
-    shape = unchecked_solid(skin_part(design))
+    filled = design.features.pocket is not None and design.features.pocket.magnet is not None
+    bare = design.with_(pin={"pocket": None}, magnetometer=None) if filled else design
+    shape = unchecked_solid(skin_part(bare))
     cq.exporters.export(cq.Workplane(shape), str(folder / "skin.step"))
     for number in range(1, len(design.shot or ()) + 1):
         layer = Part(f"shot-{number}", PartRole.SKIN, behind(design, number))
@@ -130,7 +152,8 @@ def tetrahedra(design: Design, size: float, folder: Path, planes: int) -> Tetrah
     nodes = np.array([place[n] for n in used.tolist()])
     elements = elements.reshape(values.shape)
     shot = _shots(design, nodes, elements)
-    if np.unique(shot).size != 1 + len(design.shot or ()):
+    shot[_in_magnets(design, nodes[elements[:, :4]].mean(axis=1)).any(axis=1)] = MAGNET
+    if np.unique(shot).size != 1 + len(design.shot or ()) + filled:
         raise RuntimeError("gmsh loses a layer of the skin")
     return Tetrahedra(nodes, elements, shot, _tips(design, nodes, elements))
 
@@ -161,6 +184,12 @@ def _geometry(design: Design, size: float, planes: int) -> Iterator[str]:
             yield f"s{number}() = BooleanIntersection{{ {both} }};"
         if number:
             yield f"s0() = BooleanFragments{{ Volume{{s0()}}; Delete; }}{{ Volume{{s{number}()}}; Delete; }};"
+    pocket = design.features.pocket
+    for pin in range(1, skin_of(design).count + 1) if pocket and pocket.magnet else ():
+        x, y, z = _middle(design, pin)
+        low, long, wide = z - pocket.magnet.length / 2, pocket.magnet.length, pocket.magnet.diameter / 2
+        yield f"n = newv; Cylinder(n) = {{{x}, {y}, {low}, 0, 0, {long}, {wide}}};"
+        yield "s0() = BooleanFragments{ Volume{s0()}; Delete; }{ Volume{n}; Delete; };"
     yield "Physical Volume(1) = {s0()};"
     for i, placed in enumerate(skin_of(design).placed, 1):
         x, y, z = placed.tip
@@ -226,10 +255,7 @@ def _deck(
     yield from (
         f"{i}, {x:.12g}, {y:.12g}, {z:.12g}" for i, (x, y, z) in enumerate([*nodes.tolist(), *plate], 1)
     )
-    for number in np.unique(mesh.shot).tolist():
-        yield f"*ELEMENT, TYPE=C3D10, ELSET=shot{number}"
-        for i in np.flatnonzero(mesh.shot == number).tolist():
-            yield ", ".join(str(n) for n in (i + 1, *(mesh.elements[i] + 1).tolist()))
+    yield from _elements(mesh)
     last = len(mesh.elements) + 1
     yield "*ELEMENT, TYPE=C3D8, ELSET=plate"
     yield ", ".join(str(n) for n in (last, *range(count + 1, count + 9)))
@@ -268,6 +294,13 @@ def _deck(
         for pin in mesh.faces:
             yield f"*CONTACT PRINT, SLAVE=pin{pin}, MASTER=under, FREQUENCY=1000\nCF"
         yield "*NODE PRINT, NSET=apex, FREQUENCY=1000\nU\n*END STEP\n"
+
+
+def _elements(mesh: Tetrahedra) -> Iterator[str]:
+    for number in np.unique(mesh.shot).tolist():
+        yield f"*ELEMENT, TYPE=C3D10, ELSET=shot{number}"
+        for i in np.flatnonzero(mesh.shot == number).tolist():
+            yield ", ".join(str(n) for n in (i + 1, *(mesh.elements[i] + 1).tolist()))
 
 
 def random_pins(seed: int) -> Design:
@@ -400,38 +433,110 @@ def six() -> Design:
     )
 
 
-def slips(pulls: Sequence[float]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the pins' pulls and normal forces `(travels, pins, 2)`, N, by CalculiX and by skincad, at the
-    plate's travels, mm, under the normal force that CalculiX has when it is down."""
-    design = six()
-    theirs, _ = press(design, SIZE, [DOWN / 2, DOWN], pulls, FRICTION, large=True)
+def magnetic_six() -> Design:
+    """The same, each on a magnet."""
+    magnet = {"diameter": 1.0, "length": 1.0, "grade": "N42"}
+    sensors = {"below": 1.0, "range": 50.0, "noise": 2.0, "rate": 100.0}
+    return six().with_(
+        pin={"pocket": {"diameter": 0.9, "depth": 3.5, "magnet": magnet}}, magnetometer=sensors
+    )
+
+
+def magnet_moves(
+    design: Design, loads: Sequence[tuple[int, int]], size: float = SIZE
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return how magnets go and turn under each load, a pin and an axis, `(loads, pins, 6)`, mm/N and 1/N, by
+    CalculiX, the best rigid motion of a magnet's nodes, and by skincad."""
+    placed, wide = skin_of(design).placed, LOADED * skin_of(design).profile.tip_width / 2
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        mesh = tetrahedra(design, size, folder, 0)
+        nodes, stuff = mesh.nodes, silicone(design)
+        young, poisson = stuff.young_modulus.value, stuff.poisson_ratio
+        inside = _in_magnets(design, nodes)
+        sets = {"back": nodes[:, 2] < EDGE, "magnets": inside.any(axis=1)}
+        deck = ["*NODE, NSET=all"]
+        deck += [f"{i}, {x:.12g}, {y:.12g}, {z:.12g}" for i, (x, y, z) in enumerate(nodes.tolist(), 1)]
+        deck += _elements(mesh)
+        for which, ratio, number in ((young, poisson, 0), (RIGID * young, 0.3, MAGNET)):
+            deck += [f"*MATERIAL, NAME=stuff{number}\n*ELASTIC\n{which!r}, {ratio!r}"]
+            deck += [f"*SOLID SECTION, ELSET=shot{number}, MATERIAL=stuff{number}"]
+        for which, members in sets.items():
+            deck += [f"*NSET, NSET={which}", *map(str, np.flatnonzero(members) + 1)]
+        deck += ["*BOUNDARY\nback, 1, 3"]
+        corners = np.unique(mesh.elements[:, :4])
+        for pin, axis in loads:
+            arms = nodes[corners] - placed[pin - 1].tip
+            bear, arms = (of[np.linalg.norm(arms, axis=1) < wide] for of in (corners + 1, arms))
+            even = np.vstack([np.ones(bear.size), arms.T])  # no moment about the tip
+            share = np.linalg.lstsq(even, [1.0, 0.0, 0.0, 0.0])[0]
+            deck += ["*STEP\n*STATIC\n*CLOAD, OP=NEW"]
+            deck += [f"{n}, {axis + 1}, {w:.9f}" for n, w in zip(bear.tolist(), share.tolist(), strict=True)]
+            deck += ["*NODE PRINT, NSET=magnets\nU\n*END STEP"]
+        (folder / "pins.inp").write_text("\n".join(deck) + "\n")
+        run_program(["ccx", "-i", "pins"], folder)
+        printed = (folder / "pins.dat").read_text()
+    theirs = np.zeros((len(loads), len(placed), 6))
+    for load, table in enumerate(re.findall(r"for set MAGNETS.*\n\n((?: .*\n)+)", printed)):
+        rows = [row.split() for row in table.splitlines()]
+        way = {int(n) - 1: [float(u) for u in moved] for n, *moved in rows}
+        for pin in range(len(placed)):
+            numbers = np.flatnonzero(inside[:, pin])
+            arms = nodes[numbers] - _middle(design, pin + 1)
+            rigid = np.concatenate([np.hstack([np.eye(3), np.cross(np.eye(3), arm).T]) for arm in arms])
+            theirs[load, pin] = np.linalg.lstsq(rigid, np.concatenate([way[n] for n in numbers.tolist()]))[0]
+    goes = magnetic_pins(design).goes
+    return theirs, np.array([goes[:, :, pin - 1, axis] for pin, axis in loads])
+
+
+def print_magnet_moves() -> None:
+    """Print how magnets go, mm/N, and turn, 1/N, by CalculiX and by skincad."""
+    for (pin, axis), theirs, ours in zip(LOADS, *magnet_moves(magnetic_six(), LOADS), strict=True):
+        print(f"1 N on pin {pin} along {'xyz'[axis]}")
+        for number, (a, b) in enumerate(zip(theirs, ours, strict=True), 1):
+            print(f"{number}  ", *(f"{one:8.4f}" for one in a), "  ", *(f"{one:8.4f}" for one in b))
+
+
+def slips(
+    pulls: Sequence[float], design: Design, size: float = SIZE
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return the pins' pulls and normal forces `(travels, pins, 2)`, N, by CalculiX and by skincad in small
+    and at finite strain, at the plate's travels, mm, under the normal force that CalculiX has when it is
+    down."""
+    theirs, _ = press(design, size, [DOWN / 2, DOWN], pulls, FRICTION, large=True)
     force, tips = float(theirs[1, :, 1].sum()), pin_pad(design).tips
-    state, ours = advance(tips, unloaded(tips), Drive(force, travel=0.0), FRICTION), []
-    for travel in pulls:
-        state = advance(tips, state, Drive(force, travel=travel), FRICTION)
-        ours.append(np.stack([state.tangential, state.normal], axis=1))
-    return theirs[2:], np.array(ours)
+    state, small = advance(tips, unloaded(tips), Drive(force, travel=0.0), FRICTION), []
+    pad, before = bent_pad(design), Drive(0.0, travel=0.0)
+    bent, finite = pad.start(), []
+    for travel in (0.0, *pulls):
+        after, cone = Drive(force, travel=travel), FrictionCoefficients(FRICTION, FRICTION)
+        bent, before = pad.advanced(bent, Step(0.0, 1.0, before, after), Share(cone)), after
+        state = advance(tips, state, after, FRICTION)
+        for contact, rows in ((state, small), (bent.contact, finite)):
+            rows.append(np.stack([contact.tangential, contact.normal], axis=1))
+    return theirs[2:], np.array(small[1:]), np.array(finite[1:])
 
 
 def slip() -> None:
     """Print pulls of pins at the plate's travels, mN, by CalculiX and by skincad."""
     began = perf_counter()
-    both = slips(PULLS)
+    found = slips(PULLS, six())
     print(f"{perf_counter() - began:.0f} s")
-    for travel, *rows in zip(PULLS, *both, strict=True):
-        for name, row in zip(("CalculiX", "skincad"), rows, strict=True):
-            print(f"{travel:4} mm {name:9}", *(f"{1e3 * pull:7.2f}" for pull in row[:3, 0]))
+    for travel, *rows in zip(PULLS, *found, strict=True):
+        for name, row in zip(("CalculiX", "small strain", "finite strain"), rows, strict=True):
+            print(f"{travel:4} mm {name:13}", *(f"{1e3 * pull:7.2f}" for pull in row[:3, 0]))
 
 
 def main() -> None:
     parser = runner.parser(__doc__)
     parser.add_argument(
-        "words", nargs="*", help="layers, times or slip; first and last seed; Poisson's ratio"
+        "words", nargs="*", help="layers, times, slip or magnets; first and last seed; Poisson's ratio"
     )
     options = parser.parse_args()
     words, make = options.words, random_pins
-    if words in (["times"], ["slip"]):
-        (times if words == ["times"] else slip)()
+    prints = {"times": times, "slip": slip, "magnets": print_magnet_moves}
+    if len(words) == 1 and words[0] in prints:
+        prints[words[0]]()
         return
     if words[:1] == ["layers"]:
         words, make = words[1:], layered

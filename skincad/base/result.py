@@ -83,7 +83,7 @@ def key_of(name: str, unit: str) -> str:
 
 UNITS = (  # suffixes of JSON keys, the longer ones first
     "MPa_per_s2", "MPa_per_s", "dB_per_dec", "N_per_MPa", "N_per_mm", "mm3", "mm2", "MPa", "mm", "Hz", "mJ",
-    "ms", "dB", "pC", "nV", "V", "N", "s", "g", "deg",
+    "mT", "uT", "ms", "dB", "pC", "nV", "V", "N", "s", "g", "deg",
 )  # fmt: skip
 _UNIT = re.compile(rf"_({'|'.join(UNITS)})(?=\.|$)")
 

@@ -21,6 +21,7 @@ EFFECTS = {
     "free_ends": "skincad.effects.free_ends:FreeEnds",
     "friction": "skincad.effects.friction:Friction",
     "inertia": "skincad.effects.inertia:Inertia",
+    "magnet": "skincad.effects.magnet:Magnetometers",
     "piezo": "skincad.effects.piezo:Piezo",
     "small_strain": "skincad.effects.small_strain:SmallStrain",
     "texture": "skincad.effects.texture:Texture",

@@ -49,8 +49,8 @@ class FreeEnds(PadChange):
 
     def check(self, design: Design) -> None:
         """Raise InputError for a doubly curved skin."""
-        if design.skin.curvature_radius_y is not None:
-            raise InputError("", "needs a skin that is straight along y", design.skin.curvature_radius_y)
+        if skin_of(design).body == "bent":
+            raise InputError("", "needs a skin that is straight along y", design.skin.radius_y)
 
     def changed(self, pad: Pad, design: Design) -> Pad:
         """Return the pad with what its ends add."""
@@ -75,6 +75,8 @@ class FreeEnds(PadChange):
         slender = outline.design.skin.width / outline.design.skin.length
         part = float(shift.max()) / outline.ridge_normal
         text = f"width {slender:.2g} of the length, and {part:.1%} of a ridge's normal force goes elsewhere"
+        if skin_of(outline.design).bare:
+            text = f"width {slender:.2g} of the length: a face sinks deeper, and slips as if it did not"
         estimate = max(CALIBRATED * float(change.max() / np.abs(path.signal).max()), LEAST)
         within = WITHIN if outline.pulls and estimate > SMALL else ROUGHLY
         return LeftOutEffect("free_ends", text, estimate, calibrated=True, within=within)

@@ -194,7 +194,8 @@ class Observables:
     point; `films` `(strips, 3)` MPa, across, along and lengthwise; `elastic` mJ stored and `dissipated` mJ
     in the step; `residual` relative. With masses `kinetic` mJ, of viscous parts `viscous` mJ dissipated in
     the step; `work` mJ is what drives the plate did in the step, None where the plate's forces tell it.
-    `drift` is given by a pad that is linear between chosen steps; `fold` says where the surface folds.
+    `drift` is given by a pad that is linear between chosen steps; `fold` says where the surface folds; `tips`
+    `(pins, 3)` N are the plate's forces on pins along x, y and z, None of other features.
     """
 
     normal: float
@@ -212,6 +213,7 @@ class Observables:
     work: float | None = None
     drift: Drift | None = None
     fold: str | None = None
+    tips: Array | None = None
 
     @classmethod
     def of(cls, contact: ContactState, films: Array, elastic: float, dissipated: float, **more: Any) -> Self:

@@ -1,10 +1,13 @@
 """Pins in a scene: the reduced model of pins with friction at each tip (mechanics/contact/tips.py).
 
-Range: small strain, quasi-static, Coulomb's friction with one coefficient; a tip sways by less than SWAYS of
-its pin's height, and a flat one is pressed all over. A tip is one point: parts of its contact slip before all
-of it does, which makes Mindlin's compliance up to half larger. What that changes is the error that a mesh has
-elsewhere. References: pins that don't feel each other, in closed form, and solid pins in three dimensions
-(tests/effects/test_pin_pad.py, bench/pins.py).
+Range: quasi-static, Coulomb's friction with one coefficient; a flat tip is pressed all over. In small strain
+a tip sways by less than SWAYS of its pin's height. At finite strain each pin is a body of its own
+(mechanics/models/pin_body.py) on a base in small strain. Its equilibria are found at the corners of a square
+of normal forces and sways around it, where a step leads out of the last one: that step is a chosen one. In
+between they are interpolated, and the error of that is the drift. A pin that leans is bent as an upright one.
+A tip is one point: parts of its contact slip before all of it does, which makes Mindlin's compliance up to
+half larger. What that changes is the error that a mesh has elsewhere. References: pins that don't feel each
+other, in closed form, and solid pins in three dimensions (tests/effects/test_pin_pad.py, bench/pins.py).
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,6 +24,7 @@ from skincad.base.errors import InputError
 from skincad.effects.kinds import (
     FRICTIONLESS,
     Discretisation,
+    Drift,
     LeftOutEffect,
     Observables,
     PlatePath,
@@ -29,9 +34,10 @@ from skincad.effects.kinds import (
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.contact.frictional import in_halves, joined
-from skincad.mechanics.contact.state import Drive
-from skincad.mechanics.contact.tips import SWAY, Tips, TipState, advance, unloaded
+from skincad.mechanics.contact.state import Drive, GrossSlip
+from skincad.mechanics.contact.tips import SWAY, TINY, Tips, TipState, advance, unloaded
 from skincad.mechanics.models import reduced
+from skincad.mechanics.models.pin_body import MIXED, BentPins, bent_pins
 from skincad.mechanics.problem import ContactError
 from skincad.mechanics.validity import crown_radius, limits
 from skincad.shape.skin import skin_of
@@ -44,6 +50,7 @@ STIFFENS = 0.6  # that, by the square of what it sways
 FIRMER = 4.0
 STRAINED = 2.0  # what is left of that, by its strain; assumption: 1.5 on the pin of the tests
 STICKING, SLIDING = 1.0, 1.5  # of Mindlin's compliance: where all of a contact sticks, and where all slips
+UPRIGHT = 1e-4  # rad, of pins that lean by nothing
 MOST = 600  # pins: of more the dense equations take over 1 s a step
 DEEPEST = 4  # halvings of a step
 
@@ -74,14 +81,14 @@ class PinPad:
 
         def solved(before: TipState, _start: Drive, end: Drive, _share: float) -> TipState:
             after = advance(self.tips, before, end, coefficient)
-            sways = self.sways(np.hypot(after.tangential, after.sideways), after.normal)
-            if sways.max() > SWAYS:
+            pull, normal = np.hypot(after.tangential, after.sideways), np.maximum(after.normal, 0.0)
+            sways = self.sways(pull, after.normal)
+            if sways.max() > SWAYS and not self.tips.bend:
                 pin, most = int(sways.argmax()) + 1, f"{SWAYS:.0%} of its height"
                 raise ContactError(f"pin {pin} sways by more than {most}: the model's range ends there")
-            lifted = (
-                np.hypot(after.tangential, after.sideways) * self.lever
-                > np.maximum(after.normal, 0.0) * self.kern
-            )
+            # at finite strain the normal force acts beside the foot
+            bends = pull + normal * sways if self.tips.bend else pull
+            lifted = bends * self.lever > normal * self.kern
             if lifted.any():
                 pin = int(lifted.argmax()) + 1
                 raise ContactError(f"pin {pin}'s flat tip lifts at one side: the model's range ends there")
@@ -97,14 +104,90 @@ class PinPad:
     def sways(self, pull: Array, normal: Array) -> Array:
         """Return how far tips go under pulls and normal forces `(..., n)` N, of the pins' heights."""
         gives = self.tips.compliance.diagonal()[: self.height.size] + self.tips.own(normal)
-        return np.asarray(pull * gives / self.height)
+        bent = self.tips.bending(normal, pull).way if self.tips.bend else 0.0
+        return np.asarray((pull * gives + bent) / self.height)
 
     def reading(self, before: TipState, state: TipState) -> Observables:  # noqa: ARG002
         """Return the observables of a state."""
-        return Observables.of(state, np.zeros((0, 3)), state.elastic, state.dissipated)
+        tips = np.column_stack([state.tangential, state.sideways, -state.normal])
+        return Observables.of(state, np.zeros((0, 3)), state.elastic, state.dissipated, tips=tips)
 
     def fault(self, state: TipState) -> str | None:  # noqa: ARG002
         """None: pins have no mesh that could collide."""
+        return None
+
+
+class BentState(NamedTuple):
+    """A state at finite strain: the `contact`, the squares that the `pins` are in, and whether the step to it
+    is a `chosen` one."""
+
+    contact: TipState
+    pins: BentPins
+    chosen: bool
+
+
+@dataclass(frozen=True, eq=False)
+class BentPad:
+    """Pins to be marched at finite strain: the `pad` in small strain, and its `unloaded` pins."""
+
+    pad: PinPad
+    unloaded: BentPins
+
+    @property
+    def discretisation(self) -> Discretisation:
+        """That of the pad in small strain."""
+        return self.pad.discretisation
+
+    def start(self) -> BentState:
+        """The unloaded state."""
+        return BentState(self.pad.start(), self.unloaded, chosen=True)
+
+    def advanced(self, state: BentState, step: Step, share: Share) -> BentState:
+        """Return the converged state at the step's end, by way of squares next to those before."""
+        pins, limit = state.pins, None
+        while True:
+            pad = replace(self.pad, tips=replace(self.pad.tips, bend=pins.bending))
+            try:
+                contact = pad.advanced(state.contact, step, share)
+            except GrossSlip as slip:
+                contact, limit = slip.last, slip
+            except ContactError:  # as where pins are far beyond their squares, or tip over
+                before = state.contact.normal
+                loads = before * step.after.normal / max(before.sum(), TINY), 0 * before
+                if (further := pins.followed(*loads)) is None:
+                    self._stands(pins, *loads)
+                    raise
+                pins = further
+                continue
+            loads = contact.normal, np.hypot(contact.tangential, contact.sideways)
+            if (further := pins.followed(*loads)) is None:
+                break
+            pins, limit = further, None
+        self._stands(pins, *loads)
+        after = BentState(contact, pins, chosen=pins is not state.pins)
+        if limit:
+            limit.last = after
+            raise limit
+        return after
+
+    @staticmethod
+    def _stands(pins: BentPins, normal: Array, pull: Array) -> None:
+        """Raise ContactError for a pin that tips over under these forces `(n,)` N."""
+        if (over := pins.tips_over(normal, pull)).any():
+            pin = int(over.argmax())
+            words = f"under {normal[pin]:.2g} N and a pull of {pull[pin]:.2g} N"
+            raise ContactError(f"pin {pin + 1} tips over {words}")
+
+    def reading(self, before: BentState, state: BentState) -> Observables:
+        """Return the observables of a state."""
+        contact, (pull, sinking) = state.contact, state.pins.off
+        borne = np.array([np.hypot(contact.tangential, contact.sideways), contact.normal])
+        off = np.array([pull, sinking / state.pins.sinks]) + MIXED * borne
+        drift = Drift(np.where(contact.touches, off, 0.0), np.zeros((0, 3)), state.chosen)
+        return replace(self.pad.reading(before.contact, state.contact), drift=drift)
+
+    def fault(self, state: BentState) -> str | None:  # noqa: ARG002
+        """None, as of the pad in small strain."""
         return None
 
 
@@ -112,6 +195,13 @@ def pin_pad(design: Design, creep: float = STICKING) -> PinPad:
     """Return a design's pins to be marched; `creep` as in `Tips`. Raises InputError for too many."""
     pad = _sticking(design)
     return replace(pad, tips=replace(pad.tips, creep=creep))
+
+
+def bent_pad(design: Design, creep: float = STICKING) -> BentPad:
+    """Return a design's pins to be marched at finite strain, as `pin_pad`."""
+    pad = pin_pad(design, creep)
+    small = replace(pad.tips, soften=np.zeros_like(pad.height))
+    return BentPad(replace(pad, tips=small), bent_pins(reduced.pin_cells(design), pad.height))
 
 
 @lru_cache(maxsize=2)
@@ -145,15 +235,25 @@ def _sticking(design: Design) -> PinPad:
     )
 
 
-def left_out(design: Design, path: PlatePath) -> list[LeftOutEffect]:
+def left_out(design: Design, path: PlatePath, *, bent: bool = False) -> list[LeftOutEffect]:
     """Return what a march of pins leaves out: the base's edges and what else the reduced model misses, and
-    finite strain."""
+    finite strain; where it has that, `bent`, what pins that lean miss of it, bent as upright ones. A part of
+    the normal force pulls at these, and finite strain changes that as much as a pull."""
     pad, ends = pin_pad(design), limits(design)
-    sways = float(pad.sways(np.abs(path.pulled), path.pressed).max(initial=0.0))
-    strain = ends.strain(float(path.pressed.max(initial=0.0)))
-    edges = reduced.further(design) * reduced.PIN_ERRORS.share
-    words = f"pins sway by {sways:.2g} of their height, and are strained by {strain:.2g}"
-    return [
-        LeftOutEffect("free_ends", "of the base, whose sides bulge", edges),
-        LeftOutEffect("finite_strain", words, STIFFENS * sways**2 + STRAINED * strain),
-    ]
+    if bent:  # small strain may have ended
+        pad = replace(pad, tips=replace(pad.tips, soften=np.zeros_like(pad.height)))
+    pulled, pressed = np.abs(path.pulled), path.pressed
+    sways = float(pad.sways(pulled, pressed).max(initial=0.0))
+    strain = ends.strain(float(pressed.max(initial=0.0)))
+    edges = LeftOutEffect(
+        "free_ends", "of the base, whose sides bulge", reduced.further(design) * reduced.PIN_ERRORS.share
+    )
+    change, words = STIFFENS * sways**2 + STRAINED * strain, f"pins sway by {sways:.2g} of their height"
+    if not bent:
+        return [edges, LeftOutEffect("finite_strain", f"{words}, and are strained by {strain:.2g}", change)]
+    lean = float(np.abs(skin_of(design).leans).max())
+    if lean < UPRIGHT:
+        return [edges]
+    change *= min(1.0, math.sin(lean) * float(pressed.max()) / max(float(pulled.max()), TINY))
+    words += f", and lean by up to {math.degrees(lean):.2g} degrees"
+    return [edges, LeftOutEffect("finite_strain", words, change)]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
@@ -25,6 +25,7 @@ from skincad.effects.kinds import (
     RELIEF,
     Discretisation,
     Law,
+    LeftOutEffect,
     MarchedPad,
     Observables,
     Share,
@@ -81,10 +82,11 @@ class SmallStrain(Law):
 @dataclass(frozen=True, eq=False)
 class CondensedPad:
     """A pad of constant compliance; its states are grips. `rise` mm is how far its plate is from plane,
-    None of one that is."""
+    None of one that is. `levels` keeps what the latest touching points make of a round one."""
 
     pad: ContactPad
     rise: float | None = None
+    levels: dict[bytes, Compliance] = field(default_factory=dict)
 
     @cached_property
     def skin(self) -> Compliance:
@@ -111,8 +113,11 @@ class CondensedPad:
         cone = share.cone or FRICTIONLESS
         lower = None if share.relief is None else share.relief(self.pad.x + state.anchor)
 
+        level = self.skin if self.pad.pulled is None else self._level(state)
+
         def seen(drive: Drive) -> Compliance:
-            skin = turning.rotated_pad(self.pad, drive.angle) if drive.angle else self.skin
+            skin = level if drive.normal else self.skin  # a plate that is clear holds nothing
+            skin = turning.rotated_pad(self.pad, drive.angle) if drive.angle else skin
             return skin if lower is None else replace(skin, gap=skin.gap + lower)
 
         if swing := share.swing:
@@ -133,6 +138,38 @@ class CondensedPad:
         whole, (force, plate, angle) = self.pad.whole, self._placed(state)
         moved = whole.moved(force, besides)
         return collision(whole.piece, whole.body, moved, plate, angle, self._give(state))
+
+    def left_out(self, state: ContactState) -> LeftOutEffect | None:
+        """Return what a round skin leaves out of slip of rings that a level plate presses unevenly. None of
+        a section along y, which knows it, and where nothing is pulled.
+
+        Where the pressure round a ring is p (1 + e cos), the part behind slips first. At the travel at which
+        an even ring begins to, what slips has let go e / pi of its pull.
+        """
+        if self.pad.pulled is None or not state.tangential.any():
+            return None
+        up = self.pad.held_level(state.touches)[1] @ state.tangential
+        uneven = float(2 * np.abs(np.bincount(self.pad.ridge, up)).sum() / state.normal.sum())
+        words = (
+            f"a level plate presses pulled rings harder ahead, on the mean by {uneven:.0%} of the pressure"
+        )
+        return LeftOutEffect("uneven_pressure", words, min(1.0, uneven / math.pi))
+
+    def _level(self, state: ContactState) -> Compliance:
+        """A round skin as a level plate sees it that touches what it touched before the step. Displacements
+        go on from where they are: what touches later does so as tilted as it is then."""
+        touches = state.touches
+        if not touches.any():
+            return self.skin
+        if (key := touches.tobytes()) not in self.levels:
+            self.levels.clear()
+            compliance, m = self.skin.compliance.copy(), touches.size
+            compliance[:m, :m] = self.pad.held_level(touches)[0]
+            self.levels[key] = replace(self.skin, compliance=compliance, solved={})
+        seen, free = self.levels[key], self.skin.free.copy()
+        along = state.anchor + state.travel
+        free[: along.size] = along - seen.compliance[: along.size, : along.size] @ state.tangential
+        return replace(seen, free=free)
 
     @property
     def _whole(self) -> WholeState:
@@ -165,7 +202,8 @@ class CondensedPad:
         turned = before.tangential * state.tangential < 0
         mean = np.where(turned, 1.0, 0.5) * state.tangential
         mean += np.where(turned, 0.0, 0.5) * before.tangential
-        elastic, dissipated = float(force @ self.pad.compliance @ force) / 2, -float(mean @ state.slipped)
+        compliance = self.pad.compliance if self.pad.pulled is None else self._level(state).compliance
+        elastic, dissipated = float(force @ compliance @ force) / 2, -float(mean @ state.slipped)
         work = turning.work(self.pad, before, state) if before.angle or state.angle else None
         if self.rise is not None:
             # the plate lowers each point by as much as it goes down, not by its approach

@@ -8,8 +8,8 @@ __getattr__, __dir__ = face(
     """
     bodies.condense: FrontFactors condense factored
     bodies.film_field: StripStress strip_stress
-    bodies.mesh: PadPiece PlainMesh Sizes at_faces default_sizes half_of height_of meshed_piece piece_of
-        plain_mesh plane_piece triangles unit_of
+    bodies.mesh: PadPiece Sizes SolidMesh at_faces default_sizes half_of height_of meshed_piece
+        piece_of plain_mesh plane_piece solid_mesh triangles unit_of
     bodies.plane_body: excess
     bodies.prisms: fronts_of graded section_forms
     bodies.solid_body: SolidBody
@@ -31,11 +31,12 @@ __getattr__, __dir__ = face(
     film.stress: FilmStress FilmStresses check_request filled_pad film_stress film_stresses
     fits: DESIGNS FITS NUMBERS unlike
     left_out: FRICTION LeftOut finite_strain free_ends friction
-    manufacture: KEYS Sensitivity intervals sensitivities
+    magnetics: cylinder_field force_noise magnet_signal magnetic_pins
+    manufacture: KEYS Sensitivity all_touch intervals sensitivities
     models.correction: Correction Errors LevelAnswer
     models.corrected: added_compliance plain_pad
     models.friction: FULL SOLID_ORDER SOLID_STEPS solve_solid
-    models.linear: LevelSolver
+    models.linear: LevelSolver level
     models.pin_cell: hertz lone
     models.reduced: pin_model pin_tops pressed
     models.solid: Layers coarse_sizes condensed_pad forms_of solve_level

@@ -23,7 +23,8 @@ from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.inputs.process import processes
 from skincad.mechanics.fits import unlike
-from skincad.mechanics.left_out import POCKETS, LeftOut, left_out
+from skincad.mechanics.left_out import POCKETS, LeftOut, left_out, unknown_pockets
+from skincad.mechanics.magnetics import magnet_signal
 from skincad.mechanics.models.table import (
     AUTO,
     AUTO_IF,
@@ -108,13 +109,18 @@ def check(
     load = design.contact.force if force is None else force
     require_force(load)
     require_goals(tol, budget, "0.05")
-    if measured is not None and design.skin.curvature_radius_y is not None:
+    if measured is not None and not _models_for(design, measured=True):
         raise InputError("measured", "judges skins that are straight along y", measured, "leave it out")
     crest_offsets, notes = ((), ()) if measured is None else crest_drops(measured, design)
     notes = (*notes, *slope_warnings(design), *shift_warnings(crest_offsets, design))
-    notes = (*notes, *material_warnings(design), *bone_warnings(design), *_scatter_warnings(design))
+    notes = (*notes, *material_warnings(design), *bone_warnings(design))
     solutions = Solutions(design, load, crest_offsets, notes, progress, on_verdict)
     if model == "auto":
+        if not solutions.models:
+            rule = "must be 'flat' for pins and for a round skin"
+            raise InputError(
+                "contact.plate.shape", rule, design.contact.plate.shape, "leave [contact.plate] out"
+            )
         return _auto(solutions, tol, budget)
     model_named(model)
     if reason := unsupported_reason(model, design, bool(crest_offsets)):
@@ -340,8 +346,8 @@ class Solutions:
     def bounds(self, name: str, answer: Answer) -> tuple[LeftOut, ...]:
         """Error bounds of the effects that a model neglects."""
         effects = (*left_out_by(name, self.design), *self.friction.left_out(name))
-        effects += (POCKETS,) if self.design.features.pocket else ()
-        bounds = left_out(effects, self.design, answer, self.force)
+        effects += (POCKETS,) if unknown_pockets(self.design) else ()
+        bounds = left_out(effects, self.design, answer, self.force, self.crest_offsets)
         return (*bounds, *self.friction.unknown.get(name, ()))
 
     def verdict(self, name: str, request: Request) -> ContactCheck:
@@ -395,6 +401,7 @@ class Solutions:
             friction=design.contact.friction,
             contact_width=answer.contact_width,
             wire_first=wiring_order(answer.ridge_force) if has_films(design) else (),
+            magnet=magnet_signal(design, answer.ridge_force),
         )
 
     def _fault(self, name: str, answer: Answer) -> str:
@@ -410,7 +417,8 @@ class Solutions:
         """A verdict with its yield; earlier ones get none."""
         known, result, reserved = self.with_model_errors[check.model], None, self.yield_seconds
         warnings, seconds = check.warnings, dict(check.seconds)
-        if not (self.crest_offsets or check.out_of_range or not MODELS[check.model].meshed):
+        scatters = known.ridge_model is not None or MODELS[check.model].meshed
+        if scatters and not (self.crest_offsets or check.out_of_range):
             try:
                 with resource_guard("the yield"):
                     result = self._manufacture(known)
@@ -434,7 +442,14 @@ class Solutions:
 
     def _manufacture(self, answer: Answer) -> Yield | None:
         """Yield and sensitivities of the design; the ridge model's force is scaled to the model's."""
-        threshold, parts = answer.all_touch_force.value, answer.ridge_model
+        from skincad.mechanics.manufacture import face_yield, manufacture
+
+        threshold, parts, spread = answer.all_touch_force.value, answer.ridge_model, spread_of(self.design)
+        width, started = answer.contact_width, perf_counter()
+        if width is not None:
+            result = face_yield(self.design, answer.approach, width, self.force, spread)
+            self.sampling_seconds = perf_counter() - started
+            return result
         if threshold is None or skin_of(self.design).count == 1:
             return None
         if parts is None and "linear" in self.models:  # its coarsest mesh is enough, as the force is scaled
@@ -442,11 +457,9 @@ class Solutions:
             parts = run("linear", self.design, rough, self.answers, self.progress).ridge_model
         if parts is None:
             return None
-        from skincad.mechanics.manufacture import manufacture
-
-        started = perf_counter()
-        uncertainty = answer.all_touch_force.error or 0.0
-        result = manufacture(parts, self.force, threshold, spread_of(self.design), uncertainty)
+        started, uncertainty = perf_counter(), answer.all_touch_force.error or 0.0
+        soft = (answer.approach.error or 0.0) / (answer.approach.value or 1.0)
+        result = manufacture(parts, self.force, threshold, spread, uncertainty, soft)
         self.sampling_seconds = perf_counter() - started
         return result
 
@@ -473,15 +486,6 @@ def mesh_tolerance(name: str, tol: float | None) -> float:
     share = MESH_SHARE if MODELS[name].leaves_out else FULL_MODEL_MESH_SHARE
     finest = SOLID_TOLERANCE if name == "solid" else FINEST_TOLERANCE
     return finest if tol is None else min(finest, share * tol)
-
-
-def _scatter_warnings(design: Design) -> tuple[str, ...]:
-    """Say of pins and rings, which have no yield, that their crests are taken as drawn."""
-    skin, spread = skin_of(design), spread_of(design)
-    if skin.family not in ("pin", "ring") or skin.count == 1 or not spread.crest_sigma:
-        return ()
-    each = f"crests are taken as drawn; by {spread.process} they scatter by {spread.crest_sigma:g} mm"
-    return (f"{each}, and then {skin.family}s touch later than said",)
 
 
 def spread_of(design: Design) -> Spread:

@@ -16,7 +16,7 @@ __getattr__, __dir__ = face(
     plan: IN_CHOSEN_STEPS DEFAULT_TOLERANCE FREE_ENDS SMALL_STRAIN chosen_steps folds
         held_against_rounder left_out_effects path_of with_rounder_fillets
     runs: MarchSetup Runs coarse_steps differential halts_of march_on marches_masses piece_for
-    scene: History LAW PIN_EFFECTS Readout Scene ScenePlate load_scene
+    scene: History LAW Readout Scene ScenePlate load_scene
     simulation: SceneRun Simulation at_level energy friction_cone marched marching read_out shown_signal
         simulate
     """,

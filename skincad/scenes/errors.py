@@ -207,6 +207,21 @@ def _gross(march: March) -> float:
     return np.inf if gross is None else float(march.time[gross])
 
 
+def change_of_slip_share(one: March, other: March) -> float:
+    """Return by how much the shares that slip differ, the mean of the times that both marches have."""
+    _, at, indices = np.intersect1d(one.time, other.time, return_indices=True)
+    return float(np.abs(one.slip_share[at] - other.slip_share[indices]).mean())
+
+
+def slip_share_error(runs: Runs) -> float | None:
+    """Return by how much the share that slips may be wrong by mesh and time step, the mean of all steps; None
+    where nobody asked for both."""
+    if runs.before is None or runs.every is None or runs.coarse is None:
+        return None
+    steps = change_of_slip_share(runs.every, runs.coarse) / (COARSE_STEP_FACTOR - 1)
+    return change_of_slip_share(runs.after or runs.march, runs.before) + steps
+
+
 @dataclass(frozen=True, eq=False)
 class SlipErrors:
     """The errors, ms: of each ridge's `slips`, in order, of `gross` slip, and of `leads`, from a ridge's slip

@@ -60,7 +60,8 @@ class March:
     """The accepted readings, entry 0 the unloaded start, at `time` `(steps + 1,)` s.
 
     `stopped` says why the march ended early, None at its end; `failed` whether that was a step that did not
-    converge or left the model's range. `ridge` `(m,)` of the contact points; `seconds` by stage. `loads`
+    converge or left the model's range. `ridge` `(m,)` of the contact points, and the `area` `(m,)` mm2 that
+    each stands for; `seconds` by stage. `loads`
     `(steps + 1, 3, ridges)` are the normal and tangential force on each ridge, N, and what of it touches,
     mm2. `states` are the pad's own of the steps that were to be kept, and the last; `pad` is what it
     advanced. Neither states nor pad are in a pickle or a copy: they hold the FE library's own objects.
@@ -76,6 +77,7 @@ class March:
     loads: Array
     states: Mapping[int, Any] = field(default_factory=dict)
     pad: MarchedPad | None = None
+    area: Array = field(default_factory=lambda: np.zeros(0))
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "states": {}, "pad": None}
@@ -88,6 +90,12 @@ class March:
     def column(self, name: str) -> Array:
         """Return a field of the readings, stacked along steps."""
         return np.array([getattr(reading, name) for reading in self.readings])
+
+    @property
+    def slip_share(self) -> Array:
+        """The share of the touching area that slips `(steps + 1,)`, 0 where nothing touches."""
+        touching, slipping = (self.column(name) @ self.area for name in ("touches", "slips"))
+        return np.asarray(slipping / np.maximum(touching, np.finfo(float).tiny))
 
 
 def march(
@@ -156,6 +164,7 @@ def march(
         loads=loads,
         states=states,
         pad=pad,
+        area=pad.discretisation.area,
     )
 
 
@@ -188,7 +197,7 @@ class _Path:
         """Accept a state, or return why it is beyond the limits."""
         contact = state.contact
         of_ridges = self._of_ridges(contact)
-        down, tangential, _ = of_ridges
+        down, tangential = self.limits.on_first(of_ridges[:2])
         loads = tuple(map(float, (down.max(), tangential.max(), -tangential.min())))
         wrong = self.limits.crushed_reason(contact.approach) or self.limits.overload_reason(
             loads[0], max(loads[1:])

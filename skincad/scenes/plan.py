@@ -27,7 +27,7 @@ from skincad.base.errors import InputError, RefusedError
 from skincad.effects import INDICATORS, effect
 from skincad.effects.kinds import FRICTIONLESS, RELIEF, Law, LeftOutEffect, PlatePath, SceneOutline
 from skincad.mechanics.fits import unlike
-from skincad.scenes.errors import near_chosen
+from skincad.scenes.errors import change_of_slip_share, near_chosen
 from skincad.scenes.march import EXPONENT, INTERRUPTED, LEVELS, March, expected
 from skincad.scenes.runs import (
     MarchSetup,
@@ -48,13 +48,15 @@ IN_CHOSEN_STEPS = "corrected"  # as the JSON key `tier` has it; a check's `corre
 FREE_ENDS = "free_ends"
 ROUNDER = "rounder fillets"  # stage
 CHOSEN, EACH = ({FINITE_STRAIN: {"steps": steps}} for steps in ("chosen", "all"))
-DRIFTS = "between chosen steps the differential stress drifts by {:.2g} of its largest"
+DRIFTS = "between chosen steps {} by {:.2g} of the largest"
 NO_BETTER = "no model beyond this one was marched: {}"
 # of the largest differential stress; what is left out changes more (docs/evidence/facts.md)
 DEFAULT_TOLERANCE = 0.05
 # s of a march in chosen steps, and of one with free ends, on a mesh of so many unknowns: yamada-2002-slip on
 # two cores of 2026; and each step of finite strain by a chosen one
 DEAR, ENDS_DEAR, OF_UNKNOWNS, DEARER = 25.0, 5.0, 22_676, 1.0
+# s of the equilibria of pins of one height; of more heights no more are solved than reduced.MOST_NODES says
+OF_HEIGHT, MOST_HEIGHTS = 12.0, 4
 PROMPT = 60.0  # s
 # Rounder fillets: at tips of the width, at roots of the radius. At half as much at tips corners still snap
 ROUNDER_TIP, ROUNDER_ROOT = 0.4, 1.5
@@ -64,8 +66,8 @@ ENDS_MATTER = 0.02  # relative; a larger change is computed
 
 def refine(on: MarchSetup, tol: float | None, budget: float | None, began: float) -> Runs:
     """March on one mesh after the other as `simulate` says; `began` is when the budget began to run."""
-    wanted, films = tol or DEFAULT_TOLERANCE, bool(on.scene.readout.ridges) or on.piece is None
-    runs, relative = _coarsest(on, films, budget is None), inf
+    wanted, timed = tol or DEFAULT_TOLERANCE, bool(on.scene.timed)
+    runs, relative = _coarsest(on, timed, budget is None), inf
     goal = wanted if tol is not None or budget is None else 0.0  # a budget alone asks for the best it buys
     for last, level in pairwise(LEVELS):
         if relative <= goal or runs.march.failed or runs.march.interrupted:
@@ -91,20 +93,23 @@ def refine(on: MarchSetup, tol: float | None, budget: float | None, began: float
             break
         error, relative = _errors(on, runs.march, march)
         runs = replace(runs, march=march, before=runs.march, error=error)
-    if films and on.piece is not None:
-        how = "of unknown error" if runs.error is None else f"within {relative:.1e} of its largest"
-        runs = _noted(runs, *unmet(f"the differential stress is {how}", relative, wanted))
+    if timed and on.piece is not None:
+        how = "of unknown error" if runs.error is None else f"within {relative:.1e}"
+        words = f"the share that slips is {how}"
+        if on.scene.readout.ridges:
+            words = f"the differential stress is {how}" + " of its largest" * (runs.error is not None)
+        runs = _noted(runs, *unmet(words, relative, wanted))
     return _noted(runs, *overrun("", perf_counter() - began, budget))
 
 
 BEFORE = "the results are those of the mesh before"
 
 
-def _coarsest(on: MarchSetup, films: bool, two: bool) -> Runs:
+def _coarsest(on: MarchSetup, timed: bool, two: bool) -> Runs:
     """The march on the coarsest mesh, and those that are held against it; `two` meshes are the least."""
     following = LEVELS[1] if two and len(LEVELS) > 1 else None
-    march = march_on(LEVELS[0], on, following, films)
-    if not films or march.failed or march.interrupted:
+    march = march_on(LEVELS[0], on, following, timed)
+    if not timed or march.failed or march.interrupted:
         return Runs(march)
     after = expected(following, LEVELS[0], march.seconds) if following else 0.0
     coarse = march_coarse_steps(on, march, after)
@@ -123,7 +128,10 @@ def _interrupted(runs: Runs) -> Runs:
 
 
 def _errors(on: MarchSetup, before: March, march: March) -> tuple[dict[int, float], float]:
-    """Largest change of each monitored ridge's difference from the mesh before, MPa; largest relative one."""
+    """Largest change of each monitored ridge's difference from the mesh before, MPa; largest relative one, or
+    of a skin without films the mean change of the share that slips, of all steps."""
+    if not on.scene.readout.ridges and on.piece is not None:
+        return {}, change_of_slip_share(before, march)
     one, other = (differential(on.piece, on.scene, run) for run in (before, march))
     steps = min(before.time.size, march.time.size)
     error = {r: float(np.abs(one[r][:steps] - other[r][:steps]).max()) for r in one}
@@ -137,11 +145,11 @@ def further(
     """Return what is marched, and the runs, by the model that the scene calls for: what was found in small
     strain, or one beyond it. Without `tol` that is one which is expected to take at most PROMPT s; `budget` s
     run from `began`."""
-    scene, wanted = on.scene, _missing(on.scene, runs.march, tol)
+    scene, wanted = on.scene, _missing(on.scene, runs.march, tol, pins=on.piece is None)
     ends = {name: table for name, table in wanted.items() if name == FREE_ENDS}
     try:
         for effects in filter(None, [wanted, ends] if ends != wanted else [wanted]):
-            price = _price(effects, runs.every or runs.march)
+            price = _price(effects, runs.every or runs.march, on)
             try:
                 if tol is None and price > PROMPT:
                     words = f"finite strain in chosen steps would take about {price:.2g} s"
@@ -155,9 +163,10 @@ def further(
         if tol is None or drift is None or (relative := _drift(on, runs.march)) <= tol:
             return on, runs
         notes = runs.notes
-        runs = _noted(runs, *unmet(DRIFTS.format(relative), relative, tol))
+        drifts = "the differential stress drifts" if on.piece else "pins' forces drift"
+        runs = _noted(runs, *unmet(DRIFTS.format(drifts, relative), relative, tol))
         # each step folds as these do, and takes long where none can be chosen; a law that is named stays
-        if runs.fillets or folds(runs.march) or on.model != IN_CHOSEN_STEPS:
+        if runs.fillets or folds(runs.march) or on.model != IN_CHOSEN_STEPS or on.piece is None:
             return on, runs
         price = DEARER * on.seconds[IN_CHOSEN_STEPS] * scene.history.step_count
         price /= len(chosen_steps(runs.march) or [0])
@@ -171,29 +180,33 @@ def further(
         return on, _noted(runs, NO_BETTER.format(refusal))
 
 
-def _missing(scene: Scene, small: March, tol: float | None) -> dict[str, dict[str, Any]]:
-    """What a scene that names no law, and tells a signal, is marched with beside small strain: effects whose
-    absence changes more than `tol`, or what is MATTERS or ENDS_MATTER without one."""
+def _missing(scene: Scene, small: March, tol: float | None, *, pins: bool) -> dict[str, dict[str, Any]]:
+    """What a scene that names no law, and tells a signal or is of pins, is marched with beside small strain:
+    effects whose absence changes more than `tol`, or what is MATTERS or ENDS_MATTER without one. Small strain
+    that pins have left is no reason to stay there."""
     named = any(isinstance(part, Law) for part in scene.parts.values())
     moving = bool(scene.moving)  # which neither knows: with a tolerance that is said
     drawn = scene.readout.steps or scene.readout.frames  # of which finite strain tells no section
     # what finite strain does not know either
     turns = any(scene.history.rotation_deg or []) or RELIEF in scene.asked
-    if named or (moving and tol is None) or not scene.readout.ridges or small.failed or small.interrupted:
+    told = pins or (scene.swept and scene.timed and not small.failed)
+    if named or (moving and tol is None) or not told or small.interrupted:
         return {}
     change = {entry.effect: entry.change for entry in left_out_effects(scene, path_of(small))}
     wanted: dict[str, dict[str, Any]] = {}
     if change.get(FINITE_STRAIN, 0.0) > (tol or MATTERS) and not drawn and not turns:
         wanted |= CHOSEN
     ends_matter = change.get(FREE_ENDS, 0.0) > min(tol or 1.0, ENDS_MATTER)
-    if ends_matter and not moving and scene.design.skin.curvature_radius_y is None:
+    if ends_matter and not (pins or moving) and skin_of(scene.design).body != "bent":
         wanted[FREE_ENDS] = {}
     return wanted
 
 
-def _price(effects: Mapping[str, Any], coarse: March) -> float:
-    """About how many s a march with these effects takes, by the unknowns of the coarsest mesh and not by the
-    clock: so a scene has the same model on every machine."""
+def _price(effects: Mapping[str, Any], coarse: March, on: MarchSetup) -> float:
+    """About how many s a march with these effects takes, by the unknowns of the coarsest mesh, or by the
+    heights of pins, and not by the clock: so a scene has the same model on every machine."""
+    if on.piece is None:
+        return OF_HEIGHT * min(len(set(skin_of(on.scene.design).heights)), MOST_HEIGHTS)
     size = float((coarse.unknowns / OF_UNKNOWNS) ** EXPONENT)
     return (DEAR if FINITE_STRAIN in effects else ENDS_DEAR) * size
 
@@ -208,19 +221,22 @@ def _by(
     scene = on.scene.with_(effects=law)
     piece = piece_for(scene, on.seconds)
     better = replace(on, scene=scene, piece=piece, meshes={}, model=model_of(scene), seconds={})
-    march = march_on(LEVELS[0], better)
+    found = refine(better, None, None, began) if piece is None else Runs(march_on(LEVELS[0], better))
+    march = found.march
     on.seconds[better.model] = sum(march.seconds.values())
     if march.interrupted:
         raise KeyboardInterrupt
     if march.failed and len(march.readings) < len(runs.march.readings):
         raise RefusedError(f"it stopped at {march.stopped}")
+    if piece is None:  # its errors are those at finite strain too
+        return replace(better, seconds=on.seconds), found
     return replace(better, seconds=on.seconds), replace(runs, march=march, after=runs.after or runs.march)
 
 
 def _marched_rounder(on: MarchSetup, runs: Runs, budget: float | None, began: float) -> Runs:
     """The runs with a march with rounder fillets too, where the surface folds in chosen steps."""
-    if on.model != IN_CHOSEN_STEPS or not folds(runs.march):
-        return runs
+    if on.model != IN_CHOSEN_STEPS or not folds(runs.march) or on.scene.design.ridge is None:
+        return runs  # a face has no fillets
     price = on.seconds[IN_CHOSEN_STEPS]
     try:
         if budget is not None and perf_counter() - began + price > budget:
@@ -280,6 +296,9 @@ def held_against_rounder(runs: Runs, rounder: March, scene: Scene) -> Runs:
 
 def _drift(on: MarchSetup, march: March) -> float:
     """The largest drift of a monitored ridge's differential stress, of the largest stress."""
+    if on.piece is None:
+        drifts = [reading.drift.forces.max() for reading in march.readings if reading.drift]
+        return float(max(drifts) / np.abs(march.loads[:, :2]).max())
     stress = differential(on.piece, on.scene, march)
     largest = max((float(np.abs(error).max()) for error in stress.values()), default=0.0)
     return max(drifted(on, march).values(), default=0.0) / largest if largest else 0.0
@@ -316,26 +335,31 @@ def at_finite_strain(runs: Runs) -> Iterator[str]:
         yield f"{words}; the skin stays linear about that step, and what that misses is in the errors"
 
 
-def left_out_effects(scene: Scene, path: PlatePath) -> list[LeftOutEffect]:
-    """Return the effects that a scene leaves out, the one that matters most first, by the path of its march.
+def left_out_effects(
+    scene: Scene, path: PlatePath, further: LeftOutEffect | None = None
+) -> list[LeftOutEffect]:
+    """Return the effects that a scene leaves out, the one that matters most first, by the path of its march;
+    `further` is what its pad leaves out besides.
     Where no design that its constants were fitted to is like this one, an estimate is not calibrated."""
     history = scene.history
     if skin_of(scene.design).symmetry == "revolved":
         from skincad.effects.pin_pad import left_out
 
-        return left_out(scene.design, path)
+        return left_out(scene.design, path, bent=FINITE_STRAIN in scene.effects)
     driven = history.tangential_force_N is None
     pull = (history.displacement_mm if driven else history.tangential_force_N) or []
     loads = (tuple(history.normal_force_N), tuple(pull))
     static = (scene.cone or FRICTIONLESS).static
     outline = SceneOutline(scene.design, tuple(history.time_s), loads, path, driven, static)
     there = {*scene.effects, *(["inertia"] if marches_masses(scene) else [])}
+    there |= set() if scene.swept else {FREE_ENDS}  # it has none
     unnamed = [name for name in INDICATORS if name not in there]
     entries = [
         replace(entry, calibrated=False, within=None) if unlike(scene.design, effect=name) else entry
         for name in unnamed
         if (entry := effect(name).left_out(outline))
     ]
+    entries += [further] if further else []
     return sorted(entries, key=lambda entry: -entry.change)
 
 

@@ -19,7 +19,7 @@ from skincad.base.errors import resource_guard
 from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Tick
 from skincad.circuit.state import longest_step
-from skincad.effects.kinds import MASS, MarchedPad, PadChange
+from skincad.effects.kinds import MASS, LeftOutEffect, MarchedPad, PadChange
 from skincad.mechanics.dynamics.ringing import layer_period, skin_mass
 from skincad.scenes.march import LEVELS, Level, March, expected, frames, march
 from skincad.scenes.scene import Scene
@@ -90,7 +90,7 @@ def piece_for(scene: Scene, seconds: dict[str, float]) -> PadPiece | None:
         return None
     from skincad.mechanics.bodies.mesh import piece_of
     from skincad.mechanics.film.stress import filled_pad
-    from skincad.mechanics.problem import check_pad, pad_of
+    from skincad.mechanics.problem import check_pad, focused, pad_of
 
     design = scene.design.with_(contact={"plate": {"shape": scene.plate.shape}})
     plain = (
@@ -104,6 +104,7 @@ def piece_for(scene: Scene, seconds: dict[str, float]) -> PadPiece | None:
             with spent(seconds, name):
                 pad = part.changed(pad, design)
     check_pad(pad)
+    pad = focused(pad, max(scene.history.normal_force_N))
     return piece_of(pad, thickness, halved=scene.law.halves)
 
 
@@ -141,10 +142,14 @@ def _pad_on(level: Level, on: MarchSetup) -> tuple[MarchedPad, dict[str, float]]
     """The pad on one mesh, with slow modes where masses are marched; and the seconds of its stages."""
     marks, scene, films = [perf_counter()], on.scene, bool(on.scene.readout.ridges)
     if on.piece is None:
-        from skincad.effects.pin_pad import SLIDING, STICKING, pin_pad
+        from skincad.effects.pin_pad import SLIDING, STICKING, bent_pad, pin_pad
 
         marks.append(perf_counter())
-        pad: MarchedPad = pin_pad(scene.design, SLIDING if level == LEVELS[0] else STICKING)
+        creep, make = (
+            SLIDING if level == LEVELS[0] else STICKING,
+            pin_pad if scene.law.condenses else bent_pad,
+        )
+        pad: MarchedPad = make(scene.design, creep)
         marks.append(perf_counter())
     else:
         mesh = meshed_pad(on.piece, level, on.meshes)
@@ -237,9 +242,7 @@ def marches_masses(scene: Scene) -> bool:
     """Whether the slow modes are marched: the scene names no effect with masses or a past of its own, the
     plate keeps its angle, and the steps are short enough to see the slowest mode, or the plate has a mass."""
     design, history = scene.design, scene.history
-    if scene.moving or any(history.rotation_deg or []) or not scene.law.swings:
-        return False
-    if skin_of(design).symmetry == "revolved":
+    if scene.moving or any(history.rotation_deg or []) or not (scene.law.swings and scene.swept):
         return False
     return scene.plate.mass is not None or longest_step(history.times) < layer_period(design) / SWINGS
 
@@ -288,6 +291,14 @@ def differential(piece: PadPiece | None, scene: Scene, march: March) -> dict[int
     place = {(s.feature, s.side): i for i, s in enumerate(piece.whole.section.slots)}
     films = march.column("films")
     return {r: films[:, place[r, "S1"], 0] - films[:, place[r, "S2"], 0] for r in scene.readout.ridges}
+
+
+def left_out_by_pad(march: March) -> LeftOutEffect | None:
+    """Return what a condensed pad leaves out beside the effects of a scene, by the march's last state."""
+    from skincad.effects.small_strain import CondensedPad
+
+    last = march.states.get(len(march.readings) - 1)
+    return march.pad.left_out(last) if isinstance(march.pad, CondensedPad) and last is not None else None
 
 
 def drifted(on: MarchSetup, march: March) -> dict[int, float]:

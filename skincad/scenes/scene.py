@@ -5,6 +5,7 @@ An effect that is not named is not imported. Its table is parsed by the effect i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
@@ -223,8 +224,25 @@ class Readout(Table):
 
 
 LAW = "small_strain"  # of a scene that names none
-PIN_EFFECTS = "friction", LAW  # what is simulated of pins
-LIFT_EFFECTS = *PIN_EFFECTS, "film", "free_ends", "piezo", "viscosity"  # and of a lift
+ROUND_EFFECTS = "friction", LAW  # what is simulated of round skins,
+PIN_EFFECTS = *ROUND_EFFECTS, "finite_strain", "magnet"  # and of pins
+FILMLESS, ALONG_Y = "it has no slots for films", "so far only a section along y is"
+# why the others are not, of a round skin
+ROUND_REFUSALS = {
+    "effects.film": FILMLESS,
+    "effects.piezo": FILMLESS,
+    "readout.ridges": FILMLESS,
+    "effects.inertia": ALONG_Y,
+    "effects.viscosity": ALONG_Y,
+    "effects.finite_strain": "a large pull leaves no section that turns",
+    "effects.free_ends": "it has no ends along y",
+    "effects.texture": "a relief along x is not the same all round",
+    "history.rotation_deg": "a plate that turns presses a ring harder on one side",
+    "readout.steps": "a pull shears each section round the middle otherwise",
+    "readout.frames": "a pull shears each section round the middle otherwise",
+}
+LIFT_EFFECTS = *ROUND_EFFECTS, "film", "free_ends", "piezo", "viscosity"  # and of a lift
+CHOSEN = "chosen"  # steps at finite strain
 DRAWN = "steps", "frames"  # of the readout, what is drawn of single steps
 
 
@@ -357,6 +375,22 @@ class Scene(Document):
         """The skin's design."""
         return self.skin if isinstance(self.skin, Design) else _loaded(self.skin)
 
+    @property
+    def swept(self) -> bool:
+        """Whether the skin is a section swept along y, so that one plane stands for all of it."""
+        return skin_of(self.design).body in ("straight", "bent")
+
+    @property
+    def bare(self) -> bool:
+        """Whether the skin is a bare face, told of by the share of it that slips."""
+        return skin_of(self.design).bare
+
+    @property
+    def timed(self) -> Sequence[int]:
+        """The features whose slip is timed: the monitored ridges, or all of a family that has no films."""
+        skin = skin_of(self.design)
+        return self.readout.ridges if skin.family == "ridge" else range(1, skin.count + 1)
+
 
 def _loaded(skin: str, silicones: Own | None = None) -> Design:
     """The design that a scene names."""
@@ -413,7 +447,7 @@ def _check(scene: Scene) -> None:
     design = scene.design
     skin = skin_of(design)
     _ = scene.law
-    if skin.symmetry != "extruded":
+    if not scene.swept:
         _check_family(scene)
     if scene.grip is not None:
         _check_lift(scene, scene.grip)
@@ -442,25 +476,32 @@ def _check(scene: Scene) -> None:
 
 
 def _check_family(scene: Scene) -> None:
-    """Raise InputError for what is pulled only of ridges: pins slip as points, by Coulomb's friction."""
-    skin = skin_of(scene.design)
-    if skin.symmetry != "revolved":
-        remedy = "`skincad check` presses it; take a skin with [ridge] or [pin]"
-        raise InputError(
-            "skin", f"needs ridges or pins, and {scene.design.name} has [{skin.family}]", remedy=remedy
-        )
-    for name in scene.effects:
-        if name not in PIN_EFFECTS:
-            raise InputError(f"effects.{name}", "is not simulated of pins", remedy="leave it out")
+    """Raise InputError for what only a section that is swept along y knows: pins slip as points, by Coulomb's
+    friction; a round skin is a section that turns, under a level plate."""
+    pins = skin_of(scene.design).symmetry == "revolved"
+    whose, reasons = ("pins", dict[str, str]()) if pins else ("a round skin", ROUND_REFUSALS)
+    others = {
+        f"effects.{name}": name not in (PIN_EFFECTS if pins else ROUND_EFFECTS) for name in scene.effects
+    }
     cone = scene.cone
-    if cone and (cone.breakpoints or cone.kinetic != cone.static):
+    if pins and cone and (cone.breakpoints or cone.kinetic != cone.static):
         rule = "must be Coulomb's with one coefficient for pins"
         raise InputError("effects.friction", rule, remedy="give coefficient alone")
-    asked = {"history.rotation_deg": any(scene.history.rotation_deg or [])}
-    asked |= {f"readout.{key}": bool(getattr(scene.readout, key)) for key in ("ridges", "steps", "frames")}
-    for key, is_set in asked.items():
+    pulled = any(scene.history.tangential_force_N or scene.history.displacement_mm or [])
+    if pins and pulled and not (cone and cone.static):
+        rule = "is missing: a plate without friction pulls no pin"
+        raise InputError("effects.friction", rule, remedy="give its coefficient")
+    steps = getattr(scene.law, "steps", CHOSEN)
+    if pins and steps != CHOSEN:
+        rule, remedy = "must be chosen for pins", f'take steps = "{CHOSEN}"'
+        raise InputError("effects.finite_strain.steps", rule, steps, remedy)
+    others["effects.finite_strain.creases"] = pins and getattr(scene.law, "creases", "pass") != "pass"
+    others["history.rotation_deg"] = any(scene.history.rotation_deg or [])
+    others |= {f"readout.{key}": bool(getattr(scene.readout, key)) for key in ("ridges", *DRAWN)}
+    for key, is_set in others.items():
         if is_set:
-            raise InputError(key, "is not simulated of pins", remedy="leave it out")
+            why = f": {reasons[key]}" if key in reasons else ""
+            raise InputError(key, f"is not simulated of {whose}{why}", remedy="leave it out")
 
 
 def _check_parts(scene: Scene) -> None:
@@ -495,7 +536,7 @@ def _check_parts(scene: Scene) -> None:
         return
     beside = [f"[effects.{name}]" for name in moving] + [f"[effects.{law}]"] * (not scene.law.swings)
     beside += ["a plate that turns"] * turns
-    beside += ["[pin]"] * (skin_of(scene.design).symmetry == "revolved")
+    beside += [f"[{skin_of(scene.design).family}]"] * (not scene.swept)
     if beside:
         rule = f"does not count beside {' and '.join(beside)}"
         raise InputError("plate.mass", rule, scene.plate.mass, "leave one of them out")
@@ -544,7 +585,7 @@ def _check_force(scene: Scene) -> None:
         skin_of(scene.design).count,
         max(scene.history.normal_force_N),
     )
-    if MASS not in scene.asked and peak > ridges * ends.largest:
-        rule = f"must be at most {ridges * ends.largest:.3g} N: {ends.overload_reason(peak / ridges)}"
+    if MASS not in scene.asked and peak > (most := ends.bears(ridges)):
+        rule = f"must be at most {most:.3g} N: {ends.overload_reason(ends.largest * peak / most)}"
         key = "history.normal_force_N" if scene.grip is None else "grip.force"
         raise InputError(key, rule, peak, "take smaller forces or a harder silicone")

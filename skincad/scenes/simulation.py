@@ -31,6 +31,7 @@ from skincad.scenes.errors import (
     lead,
     shown_band,
     slip_errors,
+    slip_share_error,
     slip_step,
     slips_of,
     stress_errors,
@@ -56,6 +57,7 @@ from skincad.scenes.runs import (
     differential,
     drifted,
     halts_of,
+    left_out_by_pad,
     march_on,
     piece_for,
     spent,
@@ -202,6 +204,9 @@ class Simulation(Result):
     runs: list[list[list[int]]] = item(meaning="steps, of each ridge", key="ridge_slip_intervals")
     slip_steps: list[int | None] = item(meaning="from which each ridge slips for good", key="ridge_slip_step")
     gross_slip_step: int | None = item(meaning="from which the skin slips as a whole")
+    slip_share_error: float | None = item(
+        meaning="of the share that slips, by mesh and step, mean of all steps"
+    )
     slip_errors: SlipErrors
     heavy_plate: HeavyPlate | None = item(meaning="the same under a plate as heavy as the skin")
     left_out: list[LeftOutEffect] = item(meaning="effects left out, and what that may change")
@@ -256,6 +261,11 @@ class Simulation(Result):
         """The plate's tangential force `(steps + 1,)`, N."""
         return self.march.column("tangential")
 
+    @reported(meaning="of the touching area that slips, at each step")
+    def slip_share(self) -> Array:
+        """The share of the touching area that slips `(steps + 1,)`."""
+        return self.march.slip_share
+
     @reported("MPa", "S1 - S2 of each monitored ridge, band-limited")
     def differential_stress(self) -> dict[int, Array]:
         """Band-limited differential stress `(steps + 1,)` by ridge, MPa."""
@@ -300,20 +310,14 @@ class Simulation(Result):
     def lead(self) -> dict[int, Estimate]:
         """By how many ms a monitored ridge's lasting slip comes before gross slip; no value without both,
         no error where nobody asked what the mesh or the step changes."""
-        slips = ((ridge, self.slip_steps[ridge - 1]) for ridge in self._timed)
+        slips = ((ridge, self.slip_steps[ridge - 1]) for ridge in self.scene.timed)
         gross, errors = self.gross_slip_step, self.slip_errors.leads
         return {r: lead(self.march.time, gross, step, errors[r - 1].total) for r, step in slips}
 
     @reported("ms", "its error by source")
     def lead_error(self) -> dict[int, BySource]:
         """The leads' errors by source, ms."""
-        return {ridge: self.slip_errors.leads[ridge - 1] for ridge in self._timed}
-
-    @property
-    def _timed(self) -> Sequence[int]:
-        """The features whose leads are reported: the monitored ridges, or all pins."""
-        skin = skin_of(self.scene.design)
-        return range(1, skin.count + 1) if skin.symmetry == "revolved" else self.scene.readout.ridges
+        return {ridge: self.slip_errors.leads[ridge - 1] for ridge in self.scene.timed}
 
     @reported("ms", "the lead without its error")
     def slip_lead(self) -> dict[int, float | None]:
@@ -373,6 +377,7 @@ class Simulation(Result):
             "approach_mm": self.march.column("approach"),
             "travel_mm": self.march.column("travel"),
             **{f"{key}.{ridge}": row for key, rows in by_ridge.items() for ridge, row in rows.items()},
+            "slip_share": self.slip_share,
             "slipping_ridges": self.slipping.sum(axis=1),
         }
 
@@ -452,7 +457,7 @@ def marched(
     began, seconds = perf_counter(), dict[str, float]()
     on = MarchSetup(scene, piece_for(scene, seconds), tick, partial, seconds=seconds)
     runs = refine(on, tol, budget, began)
-    if further_models and on.piece is not None:
+    if further_models:
         on, runs = further(on, runs, tol, budget, began)
     return SceneRun(on, runs, {"total": perf_counter() - began, **seconds})
 
@@ -502,8 +507,13 @@ def _simulation(on: MarchSetup, runs: Runs, seconds: dict[str, float]) -> Simula
     halts = halts_of(scene)
     slips = slips_of(march, skin_of(scene.design).count, halts)
     path = path_of(march)
-    left_out, driven = left_out_effects(scene, path), scene.history.tangential_force_N is None
+    left_out, driven = (
+        left_out_effects(scene, path, left_out_by_pad(march)),
+        scene.history.tangential_force_N is None,
+    )
     change = math.fsum(entry.change for entry in left_out)  # of a ridge's load, taken to be the signals'
+    # a bare face slips as a whole where friction bears no more, whatever is left out
+    moved = 0.0 if scene.bare and not driven else change
     stressed = stress_errors(runs, lambda one: differential(on.piece, scene, one), change, drifted(on, march))
     if raw and "film" not in scene.effects:
         notes = [*notes, "effects.film is not named: the stress shown is the silicone's, in the films' place"]
@@ -524,7 +534,8 @@ def _simulation(on: MarchSetup, runs: Runs, seconds: dict[str, float]) -> Simula
         runs=slips.runs,
         slip_steps=slips.steps,
         gross_slip_step=slips.gross,
-        slip_errors=slip_errors(runs, slips, change, driven, friction_cone(scene), halts),
+        slip_share_error=slip_share_error(runs),
+        slip_errors=slip_errors(runs, slips, moved, driven, friction_cone(scene), halts),
         heavy_plate=_heavy_plate(scene, runs, scene.readout.ridges),
         left_out=left_out,
         read=readings,

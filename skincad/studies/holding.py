@@ -203,9 +203,9 @@ def known_gripper(name: str, own: Mapping[str, Gripper]) -> Gripper:
 
 def hears(design: Design) -> bool:
     """Return whether a design has films in straight ridges, which stress crosses."""
-    straight = skin_of(design).symmetry == "extruded"
+    ridges = skin_of(design).family == "ridge" and skin_of(design).body == "straight"
     there = skin_of(design).slot is not None and design.film is not None and design.film_state == "bonded"
-    return straight and there and design.skin.curvature_radius_y is None
+    return ridges and there
 
 
 @lru_cache(maxsize=64)

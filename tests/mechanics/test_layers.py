@@ -14,6 +14,7 @@ from bench import pins as pin_bench
 from bench.calculix import own
 from skincad import InputError, check, load, load_scene, simulate
 from skincad.inputs import Design
+from skincad.inputs.material import silicone
 from skincad.live import start_session
 from skincad.mechanics import Request, pad_of, plane_piece
 from skincad.mechanics.models import linear, reduced
@@ -213,3 +214,26 @@ def test_a_fingers_ridges_slip_from_the_edges_to_the_middle() -> None:
         steps = [first[r] for r in side]
         assert steps == sorted(steps), first
     assert answer.gross_slip_step is not None
+
+
+def bowl(radius: float | None, *shots: dict[str, Any]) -> Design:
+    """One ridge without slots on a skin in layers, curved along y by `radius`."""
+    lone = load("plain-ridges", ["ridge.count=1"])
+    skin = {"curvature_radius_y": radius, "width": 3.0, "thickness": 2.0, "length": 6.0}
+    return lone.with_(skin=skin, shot=shots or None, contact={"force": 0.05})
+
+
+@pytest.mark.parametrize("model", ["winkler", pytest.param("solid", marks=pytest.mark.slow)])
+def test_layers_count_in_a_doubly_curved_skin_as_in_a_straight_one(model: str) -> None:
+    """Layers of its own silicone are another mesh of the same pad, 2e-3; at a radius of 1e5 mm the ends are
+    4e-5 mm low, and of an approach of 0.1 mm that is 1e-3."""
+    own = silicone(bowl(None))
+    same = {"young_modulus": own.young_modulus.value, "poisson_ratio": own.poisson_ratio, "thickness": 1.0}
+    soft = {**same, "young_modulus": own.young_modulus.value / 5}
+    plain, alike, bent, far, straight = (
+        check(design, model=model).approach
+        for design in (bowl(40.0), bowl(40.0, same), bowl(40.0, soft), bowl(1e5, soft), bowl(None, soft))
+    )
+    assert alike.value == pytest.approx(plain.value, rel=2e-3)
+    assert bent.value > 1.2 * plain.value
+    assert far.value == pytest.approx(straight.value, rel=1e-3)

@@ -52,12 +52,15 @@ class StripBody:
         return np.concatenate([self.along_x, self.system.contact])
 
 
-def body(mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]) -> StripBody:
-    """Return the body of a mesh; `materials` maps a domain to (Young's modulus, Poisson's ratio)."""
-    form, both = elements.small_strain(mesh, order, materials)
+def body(
+    mesh: Any, order: int, materials: Mapping[str, tuple[float, float]], revolved: bool = False
+) -> StripBody:
+    """Return the body of a mesh; `materials` maps a domain to (Young's modulus, Poisson's ratio). One that is
+    `revolved` has no strips."""
+    form, both = elements.small_strain(mesh, order, materials, revolved=revolved)
     space = both.components[0]
     first = [space.Range(i).start for i in (0, 1)]
-    system = elements.with_contact(fe.as_csr(form.mat), mesh, both, order)
+    system = elements.with_contact(fe.as_csr(form.mat), mesh, both, order, revolved)
     moved = ng.GridFunction(both)
     stress = _stress(mesh, materials, *moved.components)
     along_x = system.contact - first[1] + first[0]

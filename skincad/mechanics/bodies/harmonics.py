@@ -13,9 +13,11 @@ from typing import Any
 
 import ngsolve as ng
 import numpy as np
+from scipy import sparse
 
 from skincad.base.arrays import Array
-from skincad.mechanics.bodies import fe
+from skincad.mechanics.bodies import elements, fe
+from skincad.mechanics.bodies.condense import Condensation, condense
 from skincad.mechanics.bodies.elements import small_strain
 
 
@@ -118,6 +120,33 @@ def pulled(
         moves.append(np.stack([u[0], u[1], w.ravel() - u[0]]))
     across = np.array([[ng.InnerProduct(load.vec, field.vec) for field in fields] for load in loads])
     return across, np.array(moves)
+
+
+def pulled_rings(
+    mesh: Any, order: int, materials: Mapping[str, tuple[float, float]]
+) -> tuple[sparse.csr_matrix, Condensation]:
+    """Return how the unknowns of harmonic 1 move rings of contact points, `(2 m, n)`, and these unknowns
+    condensed: along x, the mean round the ring; then up, at the side that the pull points to.
+
+    A force along x that is spread evenly round a ring works on just that mean, (u_r - u_t) / 2 = u_r - w / 2.
+    """
+    form, both, held = harmonic(mesh, order, materials, 1)
+    system = elements.with_contact(fe.as_csr(form.mat), mesh, both, order, revolved=True)
+    plane, nodes, fixed = both.components[0], system.nodes, np.concatenate(held)
+    up, count = system.contact, system.nodes.weight.size
+    out, around = (up - plane.Range(1).start + start for start in (0, both.Range(1).start))
+    rows = sparse.coo_matrix(nodes.rows)
+    values = np.concatenate([rows.data, -rows.data / 2, rows.data])
+    index = (
+        np.concatenate([rows.row, rows.row, rows.row + count]),
+        np.concatenate([unknowns[rows.col] for unknowns in (out, around, up)]),
+    )
+    moves = np.ones(both.ndof)
+    moves[fixed] = 0.0
+    points = sparse.csr_matrix((values, index), (2 * count, both.ndof)) @ sparse.diags(moves)
+    contact = np.setdiff1d(np.concatenate([out, around, up]), fixed)
+    inner = np.setdiff1d(system.interior, np.concatenate([contact, fixed]))
+    return sparse.csr_matrix(points), condense(system.matrix, inner, contact)
 
 
 def _tip(mesh: Any, loaded: float) -> tuple[Any, float, Any]:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, reduce
+from functools import cached_property, partial, reduce
 from operator import add
 from types import MappingProxyType
 from typing import Any
@@ -232,12 +232,20 @@ class NeoHookeBody:
         """Return the loops of the boundary in a state `(n,)`, of the one section there is."""
         return [outlines(self.rest, state)]
 
-    def undetected_contact(self, state: Array, plate: float) -> str | None:
-        """Return what touches without being in contact, under a plate at the height `plate`, or None."""
+    def undetected_contact(
+        self, state: Array, plate: float, over: Callable[[Array], Array] = np.zeros_like
+    ) -> str | None:
+        """Return what touches without being in contact, under a plate at the height `plate`, and higher by
+        `over` of x, or None."""
         loops = outlines(self.rest, state)
         return undetected_contact(
-            loops, lambda x: np.full_like(x, plate), mirrored="cut" in self.mesh.GetBoundaries()
+            loops, partial(raised, over, plate), mirrored="cut" in self.mesh.GetBoundaries()
         )
+
+
+def raised(over: Callable[[Array], Array], plate: float, x: Array) -> Array:
+    """Return the height over x of what is higher by `plate` than `over`."""
+    return over(x) + plate
 
 
 def strain_energy(h: Any, q: Any, shear: Any, bulk: Any, log: Any) -> Any:

@@ -158,7 +158,7 @@ GRADIENT: tuple[tuple[tuple[int, int, int, int, float], ...], ...] = (
 @dataclass(frozen=True)
 class SectionForms:
     """The section's scalar functions and pressures at the g points of each of its t triangles, of `weight`
-    `(t, g)` in area, at the `height` `(t, g)`.
+    `(t, g)` in area, at x `across` and the `height` `(t, g)`.
 
     `basis` `(t, g, 3, f)` is the derivative by x, by z and the value of the triangle's functions, `test`
     `(t, g, q)` its pressure functions; `shear`, `bulk` `(t,)` are moduli. `functions` `(t, f)` numbers each
@@ -167,6 +167,7 @@ class SectionForms:
     """
 
     weight: Array
+    across: Array
     height: Array
     basis: Array
     test: Array
@@ -223,6 +224,7 @@ def section_forms(mesh: Any, order: int, materials: Mapping[str, tuple[float, fl
     shear, bulk = fe.shear_and_bulk(*moduli.T)
     return SectionForms(
         weight=share * np.linalg.det(jacobian),
+        across=places[..., 0],
         height=places[..., 1],
         basis=np.stack([slopes[..., 0], slopes[..., 1], values], axis=2),
         test=sampled(pressures, "CalcShape").reshape(len(triangles), len(at), -1),

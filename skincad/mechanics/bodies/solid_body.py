@@ -6,7 +6,7 @@ Lengths in the pad's unit, stresses in E.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -18,7 +18,7 @@ from skincad.laws.rubber import Rubber
 from skincad.mechanics.bodies import prisms, solid_law
 from skincad.mechanics.bodies.condense import Front, FrontFactors, Unknowns, factored
 from skincad.mechanics.bodies.elements import ContactStiffness, outlines
-from skincad.mechanics.bodies.plane_body import NO_LAWS, undetected_contact
+from skincad.mechanics.bodies.plane_body import NO_LAWS, raised, undetected_contact
 from skincad.mechanics.bodies.prisms import SectionForms, along_y, free_unknowns, fronts_of
 from skincad.mechanics.bodies.solid_law import Elements
 from skincad.mechanics.problem import Bend, DeformedLoop
@@ -91,14 +91,17 @@ class SolidBody:
         flexibility[np.ix_(free, free)] = small.flexibility
         return SolidLinearised(self, coupling, small, state, residual, flexibility)
 
-    def undetected_contact(self, state: Array, plate: float) -> str | None:
-        """Return what touches without being in contact in the middle or at the end, or None."""
+    def undetected_contact(
+        self, state: Array, plate: float, over: Callable[[Array], Array] = np.zeros_like
+    ) -> str | None:
+        """Return what touches without being in contact in the middle or at the end, or None; `over` as of a
+        plane body."""
         cut = bool(self.forms.cut.any())
         plates = [plate, plate]
         if self.bend is not None:  # as far from the axis as the end's plane meets it
             plates[1] = self.bend.axis + (plate - self.bend.axis) / self._lean[1]
         for height, loops in zip(plates, self.outlines(state), strict=True):
-            wrong = undetected_contact(loops, partial(np.full_like, fill_value=height), mirrored=cut)
+            wrong = undetected_contact(loops, partial(raised, over, height), mirrored=cut)
             if wrong:
                 return wrong
         return None

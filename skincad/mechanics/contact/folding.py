@@ -90,9 +90,7 @@ def undetected_contact(
         return wrong
     volume, place = pad.body.least_volume(state.values, FOOT)
     if volume < LEAST_VOLUME:
-        return (
-            f"at ridge {_ridge_at(pad, place)} silicone is pressed to {volume:.2g} of its volume in the model"
-        )
+        return f"at {_named(pad, place)} silicone is pressed to {volume:.2g} of its volume in the model"
     depth, place = _crossing(loops)
     if depth * pad.unit > deepest:
         return f"{_through(pad, depth, place)}, more than a fillet's radius of {deepest:.2g} mm"
@@ -105,7 +103,13 @@ def _crossing(loops: list[DeformedLoop]) -> tuple[float, Array]:
 
 
 def _through(pad: FrictionalPad, depth: float, place: Array) -> str:
-    return f"at ridge {_ridge_at(pad, place)} the skin goes through itself by {depth * pad.unit:.2g} mm"
+    return f"at {_named(pad, place)} the skin goes through itself by {depth * pad.unit:.2g} mm"
+
+
+def _named(pad: FrictionalPad, place: Array) -> str:
+    """The ridge nearest to a place `(2,)`, in units; the place itself where there is but one, or a face."""
+    lone = np.ptp(pad.ridge) == 0
+    return f"x = {place[0] * pad.unit:.2g} mm" if lone else f"ridge {_ridge_at(pad, place)}"
 
 
 def _plate(pad: FrictionalPad, state: FrictionalState) -> float:

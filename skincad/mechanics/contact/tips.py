@@ -8,7 +8,7 @@ Sci. Comput. 30 (2008) 572, as in disc_friction.py, of which the normal side is 
 Beside a tip's own compliance stand that of its contact, Mindlin's of a circle that sticks, (2 - nu) / (8 G a)
 (Johnson, Contact Mechanics, 1985, eq. 7.42), and what its normal force adds as it bends, to first order: a
 column's lowering by sway, 6/5 of d^2 / 2h, less the rise of a ball that rolls, R theta^2 / 2, and less what
-the strain stiffens.
+the strain stiffens. Or in their place what finite strain adds of each pin (`Bending`).
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy import linalg
@@ -33,6 +34,19 @@ SWAY = 1.2  # twice a bent column's lowering, times its height, by the square of
 FAINT, TINY = 1e-6, 1e-12  # of the mean normal force, and N: no contact has less
 
 
+class Bending(NamedTuple):
+    """What finite strain adds to small strain, by n pins' normal forces and pulls: the `way` of tips along
+    the pull and their `sinking` `(n,)` mm; the derivatives of the way `by_pull` and `by_normal`, the latter
+    the sinking's by the pull too, and of the sinking by the normal force, mm/N; and mJ `stored`."""
+
+    way: Array
+    sinking: Array
+    by_pull: Array
+    by_normal: Array
+    sinking_by_normal: Array
+    stored: Array
+
+
 @dataclass(frozen=True, eq=False)
 class Tips:
     """n pins: `gap` mm, `curve`, which gives force and slope by indentation, `compliance` `(3 n, 3 n)` mm/N
@@ -40,7 +54,8 @@ class Tips:
     mm times its cube root (infinite: it gives way by nothing), `shear` (2 - nu) / (8 G) mm2/N; `soften`
     `(n,)` 1/N is by how much a normal force softens a tip; `pressed` gives forces and approach under a normal
     force without friction, to start from; `creep` what of Mindlin's compliance counts: from 1, where all
-    sticks, to 1.5, where all is about to slip."""
+    sticks, to 1.5, where all is about to slip; `bend` gives what finite strain adds under normal forces and
+    pulls, None in small strain."""
 
     gap: Array
     curve: Callable[[Array], tuple[Array, Array]]
@@ -50,6 +65,7 @@ class Tips:
     soften: Array
     pressed: Callable[[float], tuple[Array, float]]
     creep: float = 1.0
+    bend: Callable[[Array, Array], Bending] | None = None
 
     def own(self, normal: Array) -> Array:
         """Return by how much tips give way across at normal forces `(..., n)`, mm/N, beside `compliance`.
@@ -60,6 +76,10 @@ class Tips:
         normal = np.maximum(normal, max(FAINT * float(np.mean(normal)), TINY))
         contact = self.creep * self.shear / (self.wide * np.cbrt(normal))
         return np.asarray(contact + self.compliance.diagonal()[: self.gap.size] * sway / (1 - sway))
+
+    def bending(self, normal: Array, pull: Array) -> Bending:
+        """Return what finite strain adds, nothing in small strain."""
+        return self.bend(normal, pull) if self.bend else Bending(*np.zeros((6, normal.size)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,11 +151,15 @@ def _solved(tips: Tips, before: TipState, drive: Drive, coefficient: float) -> T
     )
 
 
-def _rise(tips: Tips, x: Array) -> tuple[Array, Array]:
-    """How far contacts move under their forces `(3 n,)`, mm; their indentations `(n,)`, mm."""
-    n = tips.gap.size
-    moved = tips.compliance @ np.concatenate([x[: 2 * n], -x[2 * n : -2]])
-    return moved, x[-2] - tips.gap + moved[2 * n :]
+def _rise(tips: Tips, x: Array) -> tuple[Array, Array, Bending]:
+    """How far contacts move under their forces `(3 n,)`, mm; their indentations `(n,)`, mm; and what of both
+    finite strain adds."""
+    n, p = tips.gap.size, x[2 * tips.gap.size : -2]
+    moved, bent = (
+        tips.compliance @ np.concatenate([x[: 2 * n], -p]),
+        tips.bending(p, np.hypot(*x[: 2 * n].reshape(2, n))),
+    )
+    return moved, x[-2] - tips.gap + moved[2 * n :] - bent.sinking, bent
 
 
 def _equations(
@@ -143,27 +167,36 @@ def _equations(
 ) -> tuple[Array, Array, Array, Mask]:
     """What the unknowns miss, its derivative, how far tips slid `(2, n)` mm, and which slide."""
     n, p = tips.gap.size, x[2 * tips.gap.size : -2]
-    moved, indentation = _rise(tips, x)
+    moved, indentation, bent = _rise(tips, x)
     force, slope = tips.curve(indentation)
-    own = tips.own(p)
     f = x[: 2 * n].reshape(2, n)
+    pulled = np.hypot(*f)
+    known = pulled > max(FAINT * drive.normal, TINY)  # of less, the way is all rounding
+    along = np.divide(f, pulled, out=np.zeros_like(f), where=known)
+    own = tips.own(p) + np.divide(bent.way, pulled, out=bent.by_pull.copy(), where=known)
     slip = moved[: 2 * n].reshape(2, n) + own * f - before.anchor
     slip[0] -= x[-1]
-    stiffness = 1 / (np.maximum(*tips.compliance.diagonal()[: 2 * n].reshape(2, n)) + own)
+    stiffness = 1 / (np.maximum(*tips.compliance.diagonal()[: 2 * n].reshape(2, n)) + np.maximum(own, 0.0))
     trial = f - stiffness * slip
     length, bound = np.hypot(*trial), coefficient * np.maximum(p, 0.0)
     sliding = length > bound
     way = np.where(sliding, trial / np.where(sliding, length, 1.0), 0.0)
     cut = np.where(sliding, bound / np.where(sliding, length, 1.0), 1.0)
-    outward = np.where(sliding, f / np.maximum(np.maximum(bound, np.hypot(*f)), 1e-300), 0.0)
+    outward = np.where(sliding, f / np.maximum(np.maximum(bound, pulled), 1e-300), 0.0)
     aim = x[-1] - drive.travel if drive.travel is not None else f[0].sum() - (drive.tangential or 0.0)
     parts = (cut * trial - f).ravel(), force - p, [p.sum() - drive.normal, aim]
     signed = tips.compliance * np.repeat([1.0, 1.0, -1.0], n)
     inside = np.tile(stiffness, 2)[:, None] * signed[: 2 * n]
     trials = np.hstack([-inside, np.zeros((2 * n, 2))])
-    at = np.arange(2 * n)
+    at, steep = np.arange(2 * n), stiffness * (tips.own(p) + bent.by_pull - own)
     trials[at, at] += 1 - np.tile(stiffness * own, 2)
     trials[:n, -1] = stiffness
+    if tips.bend:
+        for row in (0, 1):
+            mine = at[row * n : row * n + n]
+            trials[mine, 2 * n + at[:n]] -= stiffness * bent.by_normal * along[row]
+            for other in (0, 1):
+                trials[mine, other * n + at[:n]] -= steep * along[row] * along[other]
     matrix = np.zeros((3 * n + 2, 3 * n + 2))
     for row in (0, 1):
         of = slice(row * n, row * n + n)
@@ -174,6 +207,8 @@ def _equations(
     matrix[at, at] -= 1.0
     pressed = slice(2 * n, 3 * n)
     matrix[pressed, : 3 * n] = slope[:, None] * signed[2 * n :]
+    sinks = slope * np.vstack([along * bent.by_normal, bent.sinking_by_normal])
+    matrix[np.tile(2 * n + at[:n], 3), np.arange(3 * n)] -= sinks.ravel()
     matrix[np.arange(2 * n, 3 * n), np.arange(2 * n, 3 * n)] -= 1.0
     matrix[pressed, -2] = slope
     matrix[-2, pressed] = 1.0
@@ -187,10 +222,10 @@ def _equations(
 def _elastic(tips: Tips, x: Array) -> float:
     """What is stored, mJ, the curve's part by Simpson's rule in eight parts."""
     n = tips.gap.size
-    moved, indentation = _rise(tips, x)
+    moved, indentation, bent = _rise(tips, x)
     forces = np.concatenate([x[: 2 * n], -x[2 * n : -2]])
     deep = np.maximum(indentation, 0.0)
     weights = np.array([1, 4, 2, 4, 2, 4, 2, 4, 1]) / 24
     pressed = sum(w * tips.curve(deep * k / 8)[0] * deep for k, w in enumerate(weights))
     across = float((tips.own(x[2 * n : -2]) * (x[:n] ** 2 + x[n : 2 * n] ** 2)).sum())
-    return float(np.sum(pressed)) + float(forces @ moved) / 2 + across / 2
+    return float(np.sum(pressed)) + float(forces @ moved) / 2 + across / 2 + float(bent.stored.sum())

@@ -37,7 +37,7 @@ def layer_period(design: Design) -> float:
 
     def part(thickness: float, stuff: Silicone) -> float:
         shear = stuff.young_modulus.value / (2 * (1 + stuff.poisson_ratio))
-        return 1 / shear_frequency(shear, stuff.density, thickness)
+        return 1 / shear_frequency(shear, stuff.density, thickness) if thickness else 0.0
 
     return part(ridges, own) + sum(part(*layer) for layer in through_base(design))
 

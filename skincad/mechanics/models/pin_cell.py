@@ -23,6 +23,7 @@ from skincad.mechanics.bodies.mesh import PadPiece, plane_piece
 from skincad.mechanics.models import linear
 from skincad.mechanics.problem import pad_of
 from skincad.mechanics.validity import crown_radius
+from skincad.shape.curves import Point, loop
 from skincad.shape.skin import skin_of
 
 # Thicknesses of the base beyond a pin's foot. A row of pins is felt as by the plane model one thickness away
@@ -33,6 +34,10 @@ LOADED = 0.3  # of the tip's radius, over which loads are spread
 RESOLVED = 3.0  # edges of the tip's mesh in the smallest contact that is taken from it
 SAMPLES = 60  # radii at which the base's displacement is taken
 BELOW = 1e-5  # units under the base where it is sampled: on its surface no point is surely inside
+# A magnet is that many times as stiff as the silicone; ten times more change how it goes by 1e-3, and a tip's
+# give by 1e-2.
+# It has a bore as wide as CORE of it, as no strip crosses a section's middle
+RIGID, RIGID_RATIO, CORE = 1e3, 0.3, 0.02
 POINTS = 24  # of a root, over which its sinking is a mean
 MOST_LOADED = 1.2  # times the force at which a contact by Hertz would be as wide as the tip: the table's end
 # Of a half-space under a load spread evenly over a disc of radius a, times E* a: its mean sinking, 16 / (3
@@ -51,7 +56,9 @@ class PinCell:
     that the force points to. `radius` `(m,)` mm are distances on the base from the axis; `by_push` `(2, m)`
     is how far the base moves there, outward and up, per N along the axis; `by_pull` `(2, 3, m)` outward, up
     and round, by the cosine and the sine of the angle to the pull, per N across the tip and per N mm of
-    moment.
+    moment. `magnet` `(5,)` is how far the middle of the pin's magnet goes: along the axis per N along it,
+    mm/N; across it, and by what angle its upper end goes on ahead of it, per N across (mm/N, 1/N) and then
+    per N mm of moment; zeros without one.
     """
 
     design: Design
@@ -60,6 +67,7 @@ class PinCell:
     radius: Array
     by_push: Array
     by_pull: Array
+    magnet: Array
 
     def sinking(self, distance: Array, foot: float) -> Array:
         """Return how far a pin with a root of radius `foot` mm sinks at these distances, mm per N on this
@@ -71,15 +79,16 @@ class PinCell:
 
 def lone(design: Design, height: float, thickness: float) -> Design:
     """Return one pin of a `height` mm like the design's on a flat round base of a `thickness` mm, the
-    cell."""
+    cell, with its magnet where that lies on the axis."""
     pin = skin_of(design).profile
     width = 2 * (pin.feet[0].x + REACH * thickness)
     flat = {"curvature_radius": 1e8, "curvature_radius_y": None, "thickness": thickness}
     disc_of_base = {"outline": "round", "width": width, "length": width}
     alone = {"pattern": "square", "columns": 1, "rows": 1, "height": height}
-    nothing = dict.fromkeys(("rings", "margin", "heights", "levelling", "pocket"))
+    nothing = dict.fromkeys(("rings", "margin", "heights", "levelling"))
+    pocket = design.features.pocket if design.on_magnets else None
     skin = design.skin.model_copy(update=flat | disc_of_base)
-    table = design.features.model_copy(update=alone | nothing)
+    table = design.features.model_copy(update=alone | nothing | {"pocket": pocket})
     return design.model_copy(update={"name": "cell", "skin": skin, "pin": table})
 
 
@@ -90,19 +99,25 @@ def pin_cell(cell: Design) -> PinCell:
     pad = meshed.whole
     modulus = pad.young_modulus / (1 - pad.poisson_ratio**2)
     with one_blas_thread():
-        axial, across, radius, by_push, by_pull = _compliances(meshed, cell, loaded)
+        axial, across, radius, by_push, by_pull, magnet = _compliances(meshed, cell, loaded)
     if shape.crown:
         tangential = (2 - pad.poisson_ratio) / (2 * (1 - pad.poisson_ratio))
         axial -= SINKING / (modulus * loaded)
         across = across - np.diag([tangential * SINKING / loaded, TURNING / loaded**3]) / modulus
-    return PinCell(cell, axial, across, radius, by_push, by_pull)
+    return PinCell(cell, axial, across, radius, by_push, by_pull, magnet)
 
 
 def _meshed(cell: Design) -> tuple[PadPiece, float]:
     """The cell's mesh, fine within the radius of its tip, mm, over which loads are spread."""
     shape = skin_of(cell).profile
     loaded = shape.tip_width / 2 * (LOADED if shape.crown else 1.0)
-    return plane_piece(replace(pad_of(cell), focus=loaded if shape.crown else 0.0), FINENESS), loaded
+    pad = replace(pad_of(cell), focus=loaded if shape.crown else 0.0)
+    if (pocket := cell.features.pocket) and pocket.magnet:
+        (low, high), wide = pocket.magnet_span, pocket.magnet.diameter / 2
+        corners = [Point(CORE * wide, low), Point(wide, low), Point(wide, high), Point(CORE * wide, high)]
+        halves = loop(corners), loop([Point(-x, z) for x, z in reversed(corners)])
+        pad = replace(pad, strips=halves, film_modulus=RIGID * pad.young_modulus, film_ratio=RIGID_RATIO)
+    return plane_piece(pad, FINENESS), loaded
 
 
 def hertz(force: Array, radius: float, modulus: float) -> Array:
@@ -134,20 +149,31 @@ def pin_curve(cell: Design) -> tuple[Array, Array]:
     return force, np.where(light, sparse, indentation)
 
 
-def _compliances(meshed: PadPiece, cell: Design, loaded: float) -> tuple[float, Array, Array, Array, Array]:
-    """Compliances of the tip under loads over `loaded` mm of it, and the base's displacements, of PinCell."""
+def _compliances(
+    meshed: PadPiece, cell: Design, loaded: float
+) -> tuple[float, Array, Array, Array, Array, Array]:
+    """Compliances of the tip under loads over `loaded` mm of it, and the displacements of base and magnet, of
+    PinCell."""
     pad, unit = meshed.whole, meshed.unit
     mesh = elements.curved(meshed.mesh, ORDER)
     foot, rim = skin_of(cell).profile.feet[0].x / unit, cell.skin.width / 2 / unit
     radius = foot + (rim - foot) * np.linspace(0.0, 1.0, SAMPLES + 1)[:-1] ** 1.5
     falls = (unit * radius) ** 2 / (2 * cell.skin.curvature_radius)  # as no base is quite flat
-    low = (cell.skin.thickness - falls) / unit - BELOW
-    axial, by_push = pushed(mesh, ORDER, pad.materials, loaded / unit, (radius, low))
-    across, by_pull = pulled(mesh, ORDER, pad.materials, loaded / unit, (radius, low))
+    low, beside, span = (cell.skin.thickness - falls) / unit - BELOW, 0.0, (0.0, 0.0)
+    if (pocket := cell.features.pocket) and pocket.magnet:
+        beside, span = pocket.magnet.diameter / 4, pocket.magnet_span
+    at = np.append(radius, beside / unit), np.append(low, sum(span) / 2 / unit)
+    axial, by_push = pushed(mesh, ORDER, pad.materials, loaded / unit, at)
+    across, by_pull = pulled(mesh, ORDER, pad.materials, loaded / unit, at)
     per_force, per_turn = pad.young_modulus * unit, pad.young_modulus * unit**2
     across /= np.array([[per_force, per_turn], [per_turn, per_turn * unit]])
+    by_push /= per_force
     by_pull /= np.array([per_force, per_turn])[:, None, None]
-    return axial / per_force, across, radius * unit, by_push / per_force, by_pull
+    magnet = np.zeros(5)
+    if beside:  # it is rigid: how it goes up beside the axis tells its tilt
+        out, up = by_pull[:, :2, -1].T
+        magnet = np.array([-by_push[1, -1], out[0], -up[0] / beside, out[1], -up[1] / beside])
+    return axial / per_force, across, radius * unit, by_push[:, :-1], by_pull[:, :, :-1], magnet
 
 
 def disc() -> tuple[Array, Array]:

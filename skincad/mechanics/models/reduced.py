@@ -19,6 +19,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
+from operator import attrgetter
 from time import perf_counter
 from typing import Any
 
@@ -34,13 +35,21 @@ from skincad.base.progress import Progress
 from skincad.inputs.design import Design
 from skincad.inputs.feature_tables import places
 from skincad.inputs.material import layers, silicone
-from skincad.inputs.process import processes
 from skincad.mechanics.bodies.mesh import plane_piece
+from skincad.mechanics.contact.ridge_model import check_few
 from skincad.mechanics.models import linear
 from skincad.mechanics.models.corrected import added_compliance
 from skincad.mechanics.models.correction import Errors
 from skincad.mechanics.models.pin_cell import PinCell, disc, lone, pin_cell, pin_curve
-from skincad.mechanics.problem import Answer, ContactError, Request, check_flat, pad_of
+from skincad.mechanics.problem import (
+    Answer,
+    ContactError,
+    Request,
+    RidgeModel,
+    check_flat,
+    no_yield,
+    pad_of,
+)
 from skincad.mechanics.validity import crown_radius, crown_rises
 from skincad.shape.skin import section, skin_of
 
@@ -80,6 +89,21 @@ class FeatureModel:
         slope = np.where(indentation > 0, slope_of(inside), 0.0)
         return force(inside) + slope * np.maximum(indentation - end, 0.0), slope
 
+    def lowered(self, drops: tuple[float, ...]) -> FeatureModel:
+        """Return the pad of a part whose crests lie lower than drawn by `drops` `(n,)` mm, or () for none."""
+        gap = self.gap + (np.array(drops) if drops else 0.0)
+        return replace(self, gap=gap - gap.min())
+
+    def ridge_model(self) -> RidgeModel:
+        """Return it as the model of a yield: how each feature gives way itself goes into its own table.
+
+        Raises ContactError for more features than that takes."""
+        check_few(self.gap.size)
+        coupling = self.coupling.toarray()
+        table = self.indentation + coupling.diagonal()[:, None] * self.force
+        np.fill_diagonal(coupling, 0.0)
+        return RidgeModel(self.gap, coupling, self.force, table, 1.0, 1.0)
+
     @cached_property
     def _smooth(self) -> tuple[Any, Any]:
         """The table's interpolation, and its derivative."""
@@ -93,12 +117,18 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
     seconds: dict[str, float] = {}
     if progress:
         progress("reduced model: a short pad of the same features")
-    model, began = feature_model(design, request.force, seconds), perf_counter()
+    model = feature_model(design, request.force, seconds).lowered(request.crest_offsets)
+    began = perf_counter()
     pins = skin_of(design).symmetry == "revolved"
     with one_blas_thread() if pins else nullcontext():  # on a busy machine more take ten times as long
         forces, approach = pressed(model, request.force)
         first = all_touch_force(model)
-        scattered = _scattered(design, model) if pins else ()
+    parts, warnings = None, list[str]()
+    if request.ridge_model and pins and forces.size > 1:
+        try:
+            parts = model.ridge_model()
+        except ContactError as failure:  # the verdict does not need the yield's model
+            warnings.append(no_yield(failure))
     seconds["reduced"] = perf_counter() - began
     known, wider = PIN_ERRORS if pins else ERRORS, further(design)
     if pins and min(design.skin.width, design.skin.length) < NARROW * skin_of(design).profile.root_width:
@@ -112,19 +142,9 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
         unknowns=forces.size,
         residual=SETTLED,
         seconds=seconds,
-        warnings=scattered,
+        warnings=tuple(warnings),
+        ridge_model=parts,
     )
-
-
-def _scattered(design: Design, model: FeatureModel) -> tuple[str, ...]:
-    """What force all pins need where the one that touches last comes out lower by its crest's scatter."""
-    sigma = processes(design.printer)[design.mold.process].crest_sigma
-    if model.gap.size == 1 or not sigma:
-        return ()
-    gap = model.gap.copy()
-    gap[int(np.argmax(gap))] += sigma
-    needed = all_touch_force(replace(model, gap=gap))
-    return (f"with the last pin's crest {sigma:g} mm lower, its standard deviation, all need {needed:.2g} N",)
 
 
 def cell_of(design: Design) -> Design:
@@ -187,14 +207,17 @@ SPREADS = 0.1, 0.3
 
 @dataclass(frozen=True)
 class PinCells:
-    """The cells of a design's pins: `cells[i][j]` at `nodes` of height and thickness, mm; `axial` and
-    `across` `(n, ...)` are each pin's of `PinCell`, `thick` mm the base's thickness under it."""
+    """The cells of a design's pins: `cells[i][j]` at `nodes` of height and thickness, mm; `axial`, `across`
+    and `magnet` `(n, ...)` are each pin's of `PinCell`, `thick` mm the base's thickness under it; `by_height`
+    `(n, heights)` are weights of the cells of all heights in a pin's numbers."""
 
     cells: list[list[PinCell]]
     nodes: list[Array]
     thick: Array
     axial: Array
     across: Array
+    magnet: Array
+    by_height: Array
 
     @property
     def stiffest(self) -> PinCell:
@@ -217,9 +240,11 @@ def pin_cells(design: Design) -> PinCells:
     at = np.array(skin_of(design).heights), base_thicknesses(design)
     nodes = [_nodes(values, most) for values, most in zip(at, MOST_NODES, strict=True)]
     cells = [[pin_cell(lone(design, float(h), float(t))) for t in nodes[1]] for h in nodes[0]]
-    axial = _interpolated(nodes, np.array([[cell.axial for cell in row] for row in cells]), at)
-    across = _interpolated(nodes, np.array([[cell.across for cell in row] for row in cells]), at)
-    return PinCells(cells, nodes, at[1], axial, across)
+    axial, across, magnet = (
+        _interpolated(nodes, np.array([[of(cell) for cell in row] for row in cells]), at)
+        for of in (attrgetter("axial"), attrgetter("across"), attrgetter("magnet"))
+    )
+    return PinCells(cells, nodes, at[1], axial, across, magnet, _lagrange(nodes[0], at[0]))
 
 
 def pin_model(design: Design, *, stuck: bool = False) -> FeatureModel:
@@ -261,16 +286,12 @@ def _feet(design: Design, cells: PinCells) -> tuple[Array, Index]:
 
 def tip_compliances(design: Design, cells: PinCells) -> Array:
     """Return how far each pin's contact moves under forces on it, along x, y and z `(n, 3, 3)` mm/N, beside
-    the contact's half-space. A force on a leaning pin acts where its tip is highest: beside its axis, so that
-    it bends the pin by its moment too. A flat tip does not turn on the plate."""
-    radius, many = crown_radius(design), cells.axial.size
-    axis, across = np.array([placed.axis for placed in skin_of(design).placed]), cells.across
-    flat = not math.isfinite(radius)
+    the contact's half-space. A flat tip does not turn on the plate."""
+    many, across, turn = cells.axial.size, cells.across, moments(design)
+    axis = np.array([placed.axis for placed in skin_of(design).placed])
     along = np.einsum("ni,nj->nij", axis, axis)
-    arm = 0 * axis if flat else radius * (np.array([0.0, 0.0, 1.0]) - axis)
-    turn = _cross(axis) @ _cross(arm)  # of a force, the moment across the axis by which it lifts a side
     by_force = across[:, 0, 0]
-    if flat:
+    if not math.isfinite(crown_radius(design)):
         by_force = by_force - across[:, 0, 1] ** 2 / across[:, 1, 1]
     parts = (
         (cells.axial, along),
@@ -288,12 +309,59 @@ def _cross(vectors: Array) -> Array:
 
 def tip_compliance(design: Design, cells: PinCells) -> Array:
     """Return the compliance `(3 n, 3 n)` mm/N of all pins' contacts under forces on them, all along x, then
-    y, then z, beside their half-spaces: each pin's, and how pins feel each other through the base.
+    y, then z, beside their half-spaces: each pin's, and how pins feel each other through the base."""
+    many, heights = cells.axial.size, np.array(skin_of(design).heights)
+    first, second, blocks, slope = _through_base(design, cells)
+    blocks[:, :2] -= heights[first, None, None] * slope
+    whole = np.zeros((3, many, 3, many))
+    whole[:, first, :, second] = blocks
+    everyone = np.arange(many)
+    whole[:, everyone, :, everyone] = tip_compliances(design, cells)
+    matrix = whole.reshape(3 * many, 3 * many)
+    return np.asarray((matrix + matrix.T) / 2)
+
+
+def magnet_compliance(design: Design, cells: PinCells) -> Array:
+    """Return how each pin's magnet goes under forces on all pins' tips, `(n, 6, n, 3)`: along x, y and z,
+    mm/N, and turned about them, 1/N.
+
+    It goes with its pin, and with the base that the other pins move, as far as its middle is above the base.
+    """
+    many, (low, high) = cells.axial.size, design.features.pocket.magnet_span  # type: ignore[union-attr]
+    axis = np.array([placed.axis for placed in skin_of(design).placed])
+    along = np.einsum("ni,nj->nij", axis, axis)
+    pull, moment = np.eye(3) - along, moments(design)
+    if not math.isfinite(crown_radius(design)):  # a flat tip does not turn on the plate
+        moment = -(cells.across[:, 0, 1] / cells.across[:, 1, 1])[:, None, None] * pull
+    up, out, tilt, out_by, tilt_by = cells.magnet.T[:, :, None, None]
+    first, second, blocks, slope = _through_base(design, cells)
+    level = np.maximum((low + high) / 2 - base_thicknesses(design), 0.0)
+    blocks[:, :2] -= level[first, None, None] * slope
+    whole = np.zeros((many, 6, many, 3))
+    whole[first, :3, second] = blocks
+    whole[first, 3, second], whole[first, 4, second] = slope[:, 1], -slope[:, 0]
+    everyone = np.arange(many)
+    whole[everyone, :3, everyone] = up * along + out * pull + out_by * moment
+    whole[everyone, 3:, everyone] = _cross(axis) @ (tilt * pull + tilt_by * moment)
+    return whole
+
+
+def moments(design: Design) -> Array:
+    """Return the moment across each pin's axis that forces on its tip make, by which they lift a side, per
+    force `(n, 3, 3)` mm: a force on a leaning pin acts where its tip is highest."""
+    radius, axis = crown_radius(design), np.array([placed.axis for placed in skin_of(design).placed])
+    arm = radius * (np.array([0.0, 0.0, 1.0]) - axis) if math.isfinite(radius) else 0 * axis
+    return _cross(axis) @ _cross(arm)
+
+
+def _through_base(design: Design, cells: PinCells) -> tuple[Index, Index, Array, Array]:
+    """The pairs of pins that feel each other, and how the first's root goes under forces on the second:
+    moves `(k, 3, 3)` mm/N, and its slope along x and y `(k, 2, 3)` 1/N.
 
     A pin's root goes as the base's surface would, the mean over it, and turns as that does. The base is
     taken as level between two pins.
     """
-    skin, many = skin_of(design), cells.axial.size
+    skin = skin_of(design)
     foot, pairs = _feet(design, cells)
     first, second = np.concatenate([pairs, pairs[::-1]], axis=1)
     ring, angle = disc()
@@ -319,15 +387,8 @@ def tip_compliance(design: Design, cells: PinCells) -> Array:
     field[..., 2, :2] = pulled_up[..., None] * way
     field[..., :2, 2] = -out[..., None] * way
     field[..., 2, 2] = -up
-    blocks = field.mean(axis=1)
     slope = np.einsum("qa,kqj->kaj", points, field[:, :, 2]) / (points**2).sum(axis=0)[:, None]
-    blocks[:, :2] -= heights[first, None, None] * slope
-    whole = np.zeros((3, many, 3, many))
-    whole[:, first, :, second] = blocks
-    everyone = np.arange(many)
-    whole[:, everyone, :, everyone] = tip_compliances(design, cells)
-    matrix = whole.reshape(3 * many, 3 * many)
-    return np.asarray((matrix + matrix.T) / 2)
+    return first, second, field.mean(axis=1), slope
 
 
 def base_thicknesses(design: Design) -> Array:
