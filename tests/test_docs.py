@@ -34,7 +34,22 @@ MAX_CHANGELOG_LINES = 300
 MAX_PICTURE_BYTES = 150_000
 # lines in the place of pages that mkdocs makes as it builds
 GENERATED = ("gallery.md", *(f"reference/{name}.md" for name in ("cli", "python", "toml", "json")))
-FILES = ("csv", "glb", "html", "ipynb", "msh", "parquet", "png", "step", "stl", "toml", "urdf", "vtu", "xml")
+FILES = (
+    "csv",
+    "glb",
+    "html",
+    "ipynb",
+    "msh",
+    "parquet",
+    "png",
+    "step",
+    "stl",
+    "toml",
+    "urdf",
+    "vtu",
+    "usda",
+    "xml",
+)
 
 
 def texts() -> Iterator[Path]:

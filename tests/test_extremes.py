@@ -117,9 +117,8 @@ def test_each_number_at_its_ends(kind: str) -> None:
 @pytest.mark.parametrize("kind", ["design", CIRCUIT])
 def test_any_three_numbers_at_their_ends(kind: str) -> None:
     model, base, told = BASES[kind]
-    other = {*FAMILY_TABLES} - {*base()}
+    other = {*FAMILY_TABLES, "magnetometer"} - {*base()}  # a skin has one family, and magnets in pins
     poses = {("mold", "bone_at"), ("mold", "bone_turn")}  # of a bone, which the design has not
-    # a skin has one family
     paths = [path for path in numbers(model) if path[0] not in other and tuple(path[:2]) not in poses]
     dice, accepted = random.Random(20261), 0
     for _ in range(60):

@@ -135,7 +135,9 @@ def test_of_many_pins_neighbours_are_one_body_and_press_as_the_check_says(name: 
     """The forces on the springs are exact; 0.1 %: a plate that still rests on them."""
     import mujoco
 
-    ran(tmp_path, "package", name, "-o", "pack")
+    said = ran(tmp_path, "package", name, "-o", "pack")
+    assert "--for mesh" in said  # which takes minutes
+    assert not (tmp_path / "pack" / "skin.vtu").exists()
     springs = json.loads((tmp_path / "pack" / "package.json").read_text())["springs"]
     count = skin_of(skincad.load(name)).count
     assert sorted(pin for group in springs["members"] for pin in group) == list(range(count))
@@ -157,16 +159,15 @@ def test_of_many_pins_neighbours_are_one_body_and_press_as_the_check_says(name: 
     assert places.count(",crest,") == count
 
 
-def test_a_pull_is_marched_or_refused_in_one_line(family: str, tmp_path: Path) -> None:
+def test_a_pull_is_marched(family: str, tmp_path: Path) -> None:
     name = TEMPLATES[family]
     (tmp_path / "pull.toml").write_text(PULL.format(name=name, force=0.4, pull=0.15))
-    result = run_skincad("simulate", "pull.toml", cwd=tmp_path)
-    if family in ("ridge", "pin"):
-        assert result.returncode == 0, result.stdout + result.stderr
-    else:
-        assert result.returncode == 2
-        assert_a_line(result.stderr.removeprefix("skincad: ").strip())
-        assert list(tmp_path.iterdir()) == [tmp_path / "pull.toml"]
+    said = ran(tmp_path, "simulate", "pull.toml", "-v")
+    assert "ridge" not in said or family == "ridge"
+    assert "flat" not in said.replace(str(tmp_path), "").replace("flat-", "") or family != "flat"
+    data = json.loads((tmp_path / "out" / "pull" / "simulate.json").read_text())
+    assert len(data["slip_share"]) == len(data["time_s"])
+    assert 0.0 < data["slip_share"][-1] < 1.0
 
 
 def test_a_new_file_of_a_family_has_its_keys_alone(family: str, tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ __getattr__, __dir__ = face(
     __name__,
     """
     boards: channels_csv kicad_schematic parts_csv
-    checks: CHECK advice_lines allowance awaits_advice
+    checks: CHECK advice_lines allowance awaits_advice verdict
     delivery: Delivery of_formats ready save_picture write
     detector_code: CLOCK fitting_every instructions
     drawing.flat: write_shims_dxf
@@ -22,6 +22,8 @@ __getattr__, __dir__ = face(
     figures.studies: LADDER_SIZE accuracy_figure pareto
     gallery: forces
     makes: names
+    measurements: ACCEPTANCE
+    pages: page
     simulations: SIMULATION write_table
     simulators.links: links
     simulators.meshes: tetrahedra

@@ -118,7 +118,7 @@ def contact_calculations(design: Design, share: float | None = None) -> list[Cal
         "strain": None if share is None else limits(design).strain(share),
         "verdict": None,
     }
-    if design.skin.curvature_radius_y is None:
+    if skin.body == "straight":
         verdict = winkler.answer(design, Request(design.contact.force))
         facts |= {
             "verdict": verdict,

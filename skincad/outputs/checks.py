@@ -11,6 +11,7 @@ from skincad.base.estimate import Estimate
 from skincad.base.progress import about
 from skincad.fabrication.papers import macro
 from skincad.mechanics.left_out import FRICTION
+from skincad.mechanics.problem import NEGLIGIBLE
 from skincad.mechanics.verdict import NO_MODEL, ContactCheck, Holding, LiftSignal
 from skincad.outputs.delivery import Presentation, drawn
 from skincad.shape.skin import skin_of
@@ -113,6 +114,12 @@ def html(check: ContactCheck) -> str:
     return macro("pages/check.html", "page", check, verdict(check), lines, CHECK.said("ends", check), top)
 
 
+def check_figures(check: ContactCheck) -> dict[str, Callable[[], Picture]]:
+    """Return each ridge's force, and of pins on magnets what forces sensors tell."""
+    drawings = drawn("ridge-forces.png", "results:ridge_force_figure")(check)
+    return drawings | (drawn("magnet.png", "results:magnet_figure")(check) if check.magnet else {})
+
+
 def stress_figures(stresses: FilmStresses) -> dict[str, Callable[[], Picture]]:
     """Return the stress under the normal force, and under both forces (Fig 8)."""
     from skincad.outputs.figures.stress import film_stress_figure
@@ -135,9 +142,10 @@ CHECK = Presentation(
         "about": about,
         "skin_of": skin_of,
         "FRICTION": FRICTION,
+        "NEGLIGIBLE": NEGLIGIBLE,
     },
     html=html,
-    figures=drawn("ridge-forces.png", "results:ridge_force_figure"),
+    figures=check_figures,
 )
 FILM_STRESS = Presentation(
     COMMAND="film-stress",

@@ -111,7 +111,7 @@ def suggested_scene(design: Design) -> str | None:
     """Return the name of a scene that this skin can take, with signals in volts if there is one."""
     skin = skin_of(design)
     names = [name for name in template_names("scenes") if skin.family in _skin_of(name)]
-    for wanted in ("piezo", "film", "friction"):
+    for wanted in ("piezo", "film", "magnet", "friction"):
         for name in names:
             data = read_table(name, "scenes")
             if "grip" in data:  # the report shows histories
@@ -122,8 +122,9 @@ def suggested_scene(design: Design) -> str | None:
             if (
                 wanted in effects
                 and films_suffice
+                and (design.magnetometer is not None or "magnet" not in effects)
                 and max(ridges, default=0) <= skin.count
-                and force <= skin.count * limits(design).largest
+                and force <= limits(design).bears(skin.count)
             ):
                 return name
     return None
@@ -134,7 +135,7 @@ def _calculation_facts(build: Build) -> Facts:
     forces = build.check.ridge_force if build.check else ()
     share = max((force.value or 0.0 for force in forces), default=0.0)
     skin = skin_of(build.design)  # of bars the closed forms are, springs in a row
-    contact = contact_calculations(build.design, share or None) if skin.symmetry == "extruded" else []
+    contact = contact_calculations(build.design, share or None) if skin.family == "ridge" else []
     given = [quantity for step in contact for quantity in step.given]
     ridges = {q.symbol: q for q in given if isinstance(q.value, tuple) and len(q.value) == skin.count}
     return {
@@ -148,7 +149,10 @@ def _calculation_facts(build: Build) -> Facts:
 def _verdict_rows(check: ContactCheck) -> list[tuple[str, str]]:
     """What the verdict rests on."""
     rows = [
-        (f"all {check.family}s touch from", str(check.all_touch_force)),
+        (
+            "the face touches from" if check.family == "flat" else f"all {check.family}s touch from",
+            str(check.all_touch_force),
+        ),
         ("asked force", f"{check.force:g} N"),
     ]
     if check.margin is not None:

@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import tomlkit
 
 from skincad.base.arrays import Array
@@ -38,6 +39,8 @@ COMMAND = "simulate"
 TABLE, PICTURE, ANIMATION = "signals.csv", "signals.png", "section.gif"
 LIFT_TABLE, LIFT_PICTURE = "lift.csv", "lift.png"
 RECORDING = "recording.png"  # where an amplifier with a sampling rate is named
+OWNERS = {"field_mT": "sensor", "pin_force_N": "pin"}  # whose readouts are by number, if no ridge's
+FIELDS = "magnets.png"  # where magnetometers read pins
 STRIPS, MANY_STRIPS = "strips.png", 4  # and of how many monitored ridges on it is drawn
 
 
@@ -47,12 +50,20 @@ def names(scene: Scene) -> list[str]:
         return [LIFT_TABLE, LIFT_PICTURE]
     sections = [_section_name(step) for step in scene.readout.steps]
     strips = [STRIPS] * (len(scene.readout.ridges) >= MANY_STRIPS)
-    return [TABLE, PICTURE, *strips, *sections, *[ANIMATION] * bool(scene.readout.frames)]
+    fields = [FIELDS] * ("magnet" in scene.effects)
+    return [TABLE, PICTURE, *strips, *fields, *sections, *[ANIMATION] * bool(scene.readout.frames)]
 
 
 def _slip_starts(simulation: Simulation) -> dict[int, int]:
     """From which step each ridge that slips for good does."""
     return {ridge: step for ridge, step in enumerate(simulation.slip_steps, 1) if step is not None}
+
+
+def _share_slips(simulation: Simulation, share: float) -> int | None:
+    """From which step on at least this share of the contact slips until the end, None where it does not."""
+    less = np.flatnonzero(simulation.slip_share < share)
+    step = int(less[-1]) + 1 if less.size else 0
+    return step if step < simulation.slip_share.size else None
 
 
 def _clear_ridges(simulation: Simulation) -> list[int]:
@@ -71,12 +82,20 @@ def _alarms(simulation: Simulation) -> list[tuple[int | str, float | None, dict[
 
 def figures(simulation: Simulation) -> dict[str, Callable[[], Picture]]:
     """Return the signals, the recorder's view of them, and the wanted sections that the run reached."""
-    from skincad.outputs.figures.scenes import recording, recording_figure, scene_figure, strips_figure
+    from skincad.outputs.figures.scenes import (
+        magnet_figure,
+        recording,
+        recording_figure,
+        scene_figure,
+        strips_figure,
+    )
     from skincad.outputs.figures.stress import section_figure
 
     drawings: dict[str, Callable[[], Picture]] = {PICTURE: partial(scene_figure, simulation)}
     if len(simulation.raw) >= MANY_STRIPS:
         drawings[STRIPS] = partial(strips_figure, simulation)
+    if "field_mT" in simulation.read:
+        drawings[FIELDS] = partial(magnet_figure, simulation)
     if record := recording(simulation):
         drawings[RECORDING] = partial(recording_figure, simulation, record)
     for step in _section_steps(simulation):
@@ -147,11 +166,11 @@ def write_table(simulation: Simulation, path: Path) -> None:
 def readout_columns(simulation: Simulation) -> dict[str, list[float]]:
     """Return the readouts `<name>_<unit>` by ridge and signal: a number a step, by column header."""
     columns = {}
-    for key, ridges in simulation.read.items():
-        name, _, unit = key.rpartition("_")
-        for ridge, signals in ridges.items() if isinstance(ridges, dict) else ():
+    for key, owners in simulation.read.items():
+        name, _, unit = key.replace("_", " ").rpartition(" ")
+        for number, signals in owners.items() if isinstance(owners, dict) else ():
             for signal, values in signals.items() if isinstance(signals, dict) else ():
-                columns[f"ridge {ridge} {signal} {name} [{unit}]"] = values
+                columns[f"{OWNERS.get(key, 'ridge')} {number} {signal} {name} [{unit}]"] = values
     return columns
 
 
@@ -211,6 +230,7 @@ SIMULATION = Presentation(
     facts={
         "slip_starts": _slip_starts,
         "clear_ridges": _clear_ridges,
+        "share_slips": _share_slips,
         "alarms": _alarms,
         "skin_of": skin_of,
         "marches_masses": marches_masses,

@@ -201,7 +201,8 @@ def schema_of(kind: Kind | shipped.Table, family: str = "") -> str:
 
 def not_of(family: str) -> set[str]:
     """Return the tables of a design that features of this family can't have."""
-    return {*FAMILY_TABLES} - {family} | ({"slot", "film"} if family != "ridge" else set())
+    alone = {"ridge": {"slot", "film"}, "pin": {"magnetometer"}}
+    return {*FAMILY_TABLES} - {family} | {key for other in {*alone} - {family} for key in alone[other]}
 
 
 def commented_toml(kind: Kind | shipped.Table, text: str, name: str, schema: str) -> str:

@@ -159,7 +159,7 @@ def test_a_map_of_pins_is_drawn() -> None:
     assert list(drawings) == ["signals.png"]
     figure = drawings["signals.png"]
     labels = [axes.get_xlabel() for axes in figure.axes[:2]]
-    assert labels == ["time (a step is 100 ms), ms", "x, mm; the plate is pulled to +x"]
+    assert labels == ["time (a step is 100 ms), ms", "pulled along x, mm"]
 
 
 PRESS, STEPS = 0.25, 200  # N, of friction's limit where it is 1

@@ -232,7 +232,11 @@ def test_every_kind_of_design_has_a_report(name: str) -> None:
     [
         ({"out_of_range": "it is crushed", "manufacture": None}, "UNDECIDED: it is crushed."),
         ({"all_touch_force": Estimate(None, None, "N"), "touching": 3}, "beyond the model"),
-        ({"all_touch_force": Estimate(0.0, 0.0, "N"), "left_out": ()}, "already do at 0 N"),
+        ({"all_touch_force": Estimate(0.0, 0.0, "N"), "left_out": ()}, "As drawn they do at once"),
+        (
+            {"all_touch_force": Estimate(0.0, 0.0, "N"), "left_out": (), "manufacture": None},
+            "already do at 0 N",
+        ),
     ],
 )
 def test_verdicts_without_numbers_are_told(changes: dict[str, Any], says: str) -> None:
@@ -284,7 +288,7 @@ def test_without_a_scene_it_says_what_adds_one(yamada: Design) -> None:
 def test_a_suggested_scene_takes_the_skin(name: str) -> None:
     design = skincad.load(name)
     scene = report.suggested_scene(design)
-    simulated = design.pin is not None or (design.film is not None and name != "fingertip-soft")
+    simulated = design.ridge is None or (design.film is not None and name != "fingertip-soft")
     assert (scene is not None) == simulated
     if scene is not None:
         assert skincad.load_scene(scene, skin=design).design == design

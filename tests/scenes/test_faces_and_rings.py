@@ -324,7 +324,7 @@ def test_pictures() -> None:
     """A face's points lie from side to side, rings one over the other; both show the share that slips."""
     for result, label, ends in ((face(), "x, mm", (-10.0, 10.0)), (rings(), "ring", (0.5, 5.5))):
         _, share, plan = SIMULATION.figures(result)["signals.png"]().axes[:3]
-        assert share.get_ylabel() == "of the contact\nslips, %"
+        assert share.get_ylabel() == "contact that\nslips, %"
         assert share.lines[0].get_ydata()[-1] == 100.0
         assert plan.get_ylabel() == label
         assert plan.get_ylim() == pytest.approx(ends, rel=0.01)  # along a face's arc

@@ -15,14 +15,19 @@ from skincad.outputs.figures.canvas import (
     BLUE,
     GREEN,
     GREY,
+    MAP,
+    NOTE,
     SMALL,
     VERMILION,
     Axes,
+    EllipseCollection,
     Figure,
     LogLocator,
+    Normalize,
     NullLocator,
     Picture,
     chart,
+    colormaps,
     sheet,
 )
 
@@ -33,6 +38,7 @@ if TYPE_CHECKING:
     from skincad.mechanics.manufacture import Sensitivity
     from skincad.mechanics.verdict import ContactCheck
 
+MAGNET_SIZE, MAX_NUMBERS = (9.0, 3.6), 49  # inches; of pins whose numbers can be read
 FORCES_SIZE = (7.5, 4.0)  # inches
 REPORT_SIZE = (7.0, 3.0)  # inches
 AXIS_ROOM = 3.0  # by which the axes reach beyond the points
@@ -59,6 +65,44 @@ def ridge_force_figure(check: ContactCheck) -> Picture:
         axes.axhline(check.force / check.ridges, color=VERMILION, linewidth=1.2, linestyle="--", label="mean")
         axes.set_xticks(ridges[:: 1 + (check.ridges - 1) // 20])  # from ridge 1 on, 20 at most
         axes.grid(visible=False, axis="x")
+    return figure
+
+
+def magnet_figure(check: ContactCheck) -> Picture:
+    """Return maps of the pins from above, coloured by the least force along x, y and z that the sensors tell
+    from noise where all pins' forces are unknown, mN, white where they don't; a cross is a sensor."""
+    magnet = check.magnet
+    assert magnet is not None  # as it is drawn
+    place = np.array([pin.place[:2] for pin in magnet.pins])
+    floor = 1e3 * np.array([[np.nan if f is None else f for f in pin.floor] for pin in magnet.pins])
+    sensor = np.array([reading.place[:2] for reading in magnet.sensors])
+    apart = np.linalg.norm(place[:, None] - place, axis=2) + np.diag(np.full(len(place), np.inf))
+    wide = 0.8 * float(apart.min()) if len(place) > 1 else 1.0
+    most = float(np.nanmax(floor)) if np.isfinite(floor).any() else 1.0
+    both, numbers = np.vstack([place, sensor]), len(place) <= MAX_NUMBERS
+    with sheet(MAGNET_SIZE, 255) as figure:
+        panels = figure.subplots(1, 3, sharey=True)
+        for axes, axis, noise in zip(panels, "xyz", floor.T, strict=True):
+            sizes = [np.full(len(place), size) for size in (wide, wide, 0.0)]
+            at: dict[str, Any] = {"units": "xy", "offsets": place, "offset_transform": axes.transData}
+            circles = EllipseCollection(
+                *sizes, **at, edgecolor=GREY, cmap=colormaps[MAP], norm=Normalize(0.0, most)
+            )
+            circles.set_array(np.ma.masked_invalid(noise))
+            axes.add_collection(circles)
+            axes.plot(*sensor.T, "+", color=VERMILION, markersize=6)
+            for (x, y), value in zip(place.tolist(), noise.tolist(), strict=True) if numbers else ():
+                words = "none" if np.isnan(value) else f"{value:.2g}"
+                colour = "white" if value > 0.6 * most else BLACK
+                above = x, y + 0.16 * wide
+                axes.annotate(words, above, ha="center", va="bottom", fontsize=NOTE, color=colour)
+            low, high = both.min(axis=0) - wide, both.max(axis=0) + wide
+            axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+            axes.set(title=f"along {axis}", xlabel="x, mm")
+            axes.grid(visible=False)
+        panels[0].set_ylabel("y, mm")
+        figure.colorbar(circles, ax=panels, label="rms noise of a pin's force, mN")
+        figure.suptitle(f"{check.name}: forces by magnetometers (+), up to {magnet.band:g} Hz")
     return figure
 
 

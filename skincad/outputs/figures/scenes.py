@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from skincad.base.arrays import Array
+from skincad.base.arrays import Array, Mask
 from skincad.base.errors import InputError
 from skincad.circuit.calibrate import PAPER_CUTOFF
 from skincad.circuit.state import Recording, evenly_spaced, recorded
@@ -70,12 +70,14 @@ def scene_figure(simulation: Simulation) -> Picture:
     monitored ridge in its own panel, slip by ridge.
 
     The signals are drawn as they come out of the low-pass, later by its delay. A dashed line stands where a
-    ridge begins to slip for good. Of pins, a map (`_pin_figure`).
+    ridge begins to slip for good. Of a skin without films, the share of the contact that slips stands in the
+    signals' place; of pins, a map (`_pin_figure`).
     """
     if skin_of(simulation.scene.design).symmetry == "revolved":
         return _pin_figure(simulation)
     groups = ridge_groups(list(simulation.signals))
-    rows = 2 + len(SIGNALS) * bool(groups)
+    shares = not groups and bool(simulation.scene.timed)
+    rows = 2 + len(SIGNALS) * bool(groups) + shares
     with sheet((WIDTH, PANEL * rows + 0.8), 255) as figure:
         grid = figure.add_gridspec(rows, max(1, len(groups)))
         forces = figure.add_subplot(grid[0, :])
@@ -96,11 +98,15 @@ def scene_figure(simulation: Simulation) -> Picture:
                 axes.tick_params(labelbottom=True)
                 axes.set_xlabel("time, ms")
         legend(forces, 3, handles=[*forces.lines, *_marks(simulation, groups)])
+        if shares:
+            firsts.append(figure.add_subplot(grid[1, :]))
+            _slip_share(firsts[-1], simulation)
         slip = figure.add_subplot(grid[-1, :])
         _slip_map(slip, simulation)
         for axes in figure.axes:
             axes.set_xlim(0.0, milliseconds(simulation)[-1])
-            axes.xaxis.set_major_locator(FixedLocator((ticks if axes in (forces, slip) else fewer).tolist()))
+            wide = axes in (forces, slip) or shares
+            axes.xaxis.set_major_locator(FixedLocator((ticks if wide else fewer).tolist()))
         slip.set_xlabel(_time_label(simulation))
         figure.align_ylabels([*firsts, slip])
         width = simulation.scene.readout.bandwidth_Hz
@@ -178,11 +184,42 @@ def _pin_figure(simulation: Simulation) -> Picture:
             plan.annotate(str(number), (x, y), ha="center", va="center", fontsize=NOTE, color=colour)
         across, along = skin.base.width / 2, skin.base.length / 2
         plan.set(aspect="equal", xlim=(-across, across), ylim=(-along, along))
-        plan.set(xlabel="x, mm; the plate is pulled to +x", ylabel="y, mm")
+        plan.set(xlabel="pulled along x, mm", ylabel="y, mm")
         plan.grid(visible=False)
         if np.isfinite(steps).any():
-            figure.colorbar(circles, ax=plan, label="slips for good from step")
+            figure.colorbar(circles, ax=plan, label="step from which it slips for good")
         figure.suptitle(simulation.scene.name)
+    return figure
+
+
+def magnet_figure(simulation: Simulation) -> Picture:
+    """Return what magnetometers read of pins: the change of each one's field along x since the start, and the
+    pull on each pin that the readings tell, over the march's own as a dashed line, both by time; a triangle
+    is where the readings tell a pin's slip."""
+    time, read = milliseconds(simulation), simulation.read
+    fields, forces = read["field_mT"], read.get("pin_force_N", {})
+    own = np.array([reading.tips[:, 0] for reading in simulation.march.readings if reading.tips is not None])
+    with sheet((WIDTH, 2 * PANEL + 1.6), 255) as figure:
+        upper, lower = figure.subplots(2, 1, sharex=True)
+        for numbers, axes in ((fields, upper), (own.T, lower)):
+            axes.set_prop_cycle(color=colormaps[MAP](np.linspace(1.0, 0.15, len(numbers))))
+        for number, field in fields.items():
+            values = 1e3 * (np.array(field["x"]) - field["x"][0])
+            upper.plot(time, values, linewidth=1.0, label=f"sensor {number}")
+        for number, (pull, slip) in enumerate(zip(own.T, read["magnet_slip_step"], strict=True), 1):
+            (line,) = lower.plot(time, 1e3 * pull, linestyle="--", linewidth=THIN)
+            if pin := forces.get(str(number)):
+                values, colour = 1e3 * np.array(pin["x"]), line.get_color()
+                lower.plot(time, values, color=colour, linewidth=1.0, label=f"pin {number}")
+                if slip is not None:
+                    lower.plot(time[slip], values[slip], "v", color=colour, markersize=7)
+        upper.set(ylabel="change of field\nalong x, uT", xlim=(0.0, time[-1]))
+        lower.set(ylabel="pull on a pin, mN", xlabel=_time_label(simulation))
+        for axes, numbers in ((upper, fields), (lower, forces)):
+            if 0 < len(numbers) <= MAX_NUMBERS // 2:
+                legend(axes, 8)
+        noise = f"noise {read['field_noise_uT_rms']:.2g} uT rms at {read['field_rate_Hz']:g} Hz"
+        figure.suptitle(f"{simulation.scene.name}: {noise}\ndashed: the true pull; triangle: a slip is told")
     return figure
 
 
@@ -240,18 +277,34 @@ def _errors(simulation: Simulation) -> dict[int, float]:
     return {ridge: total for ridge, total in totals.items() if total is not None}
 
 
+def _slip_share(axes: Axes, simulation: Simulation) -> None:
+    """The share of the contact that slips, by time."""
+    axes.plot(milliseconds(simulation), 100 * simulation.slip_share, color=SLIP, linewidth=1.0)
+    axes.set(ylabel="contact that\nslips, %", ylim=(0.0, 105.0))
+
+
 def _slip_map(axes: Axes, simulation: Simulation) -> None:
-    """Ridge by step: clear, sticking (in part at least), slipping with all that touches."""
-    count = simulation.slipping.shape[1]
-    touches = np.array([reading.touches for reading in simulation.march.readings])
-    by_ridge = (touches[:, simulation.march.ridge == r] for r in range(1, count + 1))
-    touching = np.column_stack([places.any(axis=1) for places in by_ridge])
-    state = touching.astype(int) + (touching & simulation.slipping)
+    """Ridge by step: clear, sticking (in part at least), slipping with all that touches. Of a face, place by
+    step."""
+    march, count = simulation.march, simulation.slipping.shape[1]
+    skin, bare = simulation.scene.design.skin, simulation.scene.bare
+    touching: Mask = march.column("touches") > 0
+    slipping: Mask = march.column("slips") > 0
+    if bare:  # points are in the order of their places, and what each stands for adds up to its edge
+        swept = np.append(0.0, np.cumsum(march.area))
+        rows = np.sqrt(swept / np.pi) if skin.round else (swept - swept[-1] / 2) / skin.length
+    else:
+        by_ridge = (touching[:, march.ridge == r] for r in range(1, count + 1))
+        touching = np.column_stack([places.any(axis=1) for places in by_ridge])
+        rows, slipping = np.arange(count + 1) + 0.5, simulation.slipping
+    state = touching.astype(int) + (touching & slipping)
     time = milliseconds(simulation)
-    edges = np.append(time - np.diff(time, prepend=0.0) / 2, time[-1]), np.arange(count + 1) + 0.5
+    edges = np.append(time - np.diff(time, prepend=0.0) / 2, time[-1]), rows
     axes.pcolormesh(*edges, state.T, cmap=ListedColormap([OPEN, STICK, SLIP]), vmin=0, vmax=2)
-    axes.set_ylabel("ridge")
-    axes.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=9))
+    place = "from the middle, mm" if skin.round else "x, mm"
+    axes.set_ylabel(place if bare else skin_of(simulation.scene.design).family)
+    if not bare:
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=9))
     axes.grid(visible=False)
     names = ((OPEN, "clear"), (STICK, "sticks"), (SLIP, "slips"))
     handles = [Patch(facecolor=colour, edgecolor=GREY, label=name) for colour, name in names]

@@ -37,6 +37,8 @@ UNITS = (
         "mm",
         "ms",
         "N",
+        "mN",
+        "uT",
         "MPa",
         "MPa/s",
         "MPa/s$^2$",
@@ -52,7 +54,7 @@ UNITS = (
     ),
     *("mm3", "pC/N", "rad", "deg", "%", "ohm", "F", "1"),
 )
-NUMBERED = ("ridge", "step", "sample at")  # what is counted has none
+NUMBERED = ("ridge", "ring", "step", "sample at")  # what is counted has none
 EDGE = 1.0  # pixel; where a letter's own smoothing ends
 
 
@@ -89,6 +91,7 @@ RESULTS: dict[str, Callable[[Path], Result]] = {
     "check": lambda _: skincad.check(yamada(), model="winkler"),
     "check of many ridges": lambda _: skincad.check(skincad.load("gripper-pad"), model="winkler"),
     "check of one ridge": lambda _: skincad.check(yamada(ridge={"count": 1}), model="winkler"),
+    "check of magnets": lambda _: skincad.check(skincad.load("magnet-pillars")),
     "film stress": lambda _: skincad.film_stress(skincad.load("steep-fingertip")),
     "fit": pad_test,
     "accept": press_test,
@@ -180,6 +183,15 @@ def measured_gain() -> canvas.Picture:
 
 DESIGNS = ("yamada-2002", "plain-ridges", "steep-fingertip")
 OTHERS: dict[str, Callable[[Path], canvas.Picture]] = {
+    "pins of a scene": lambda _: skincad.simulate(
+        skincad.load_scene("pillars-9-pull", ["history.steps=8"])
+    ).figure(),
+    "rings of a scene": lambda _: skincad.simulate(
+        skincad.load_scene("rings-5-pull", ["history.steps=8"])
+    ).figure(),
+    "magnets of a scene": lambda _: scenes.magnet_figure(
+        skincad.simulate(skincad.load_scene("magnet-pillars-pull", ["history.steps=20"]))
+    ),
     **{f"design {name}": lambda _, name=name: design(name) for name in DESIGNS},
     "signals of many ridges": many_signals,
     "ladder": lambda _: ladder(),
@@ -334,7 +346,7 @@ def test_figures_are_there_of_each_kind_of_result() -> None:
         *(("measurements", name) for name in ("fit", "accept")),
         *(("studies", f"{name}_figures") for name in ("solution", "sweep")),
         ("studies", "accuracy"),
-        ("checks", "ridge-forces"),
+        ("checks", "check_figures"),
         ("checks", "stress_figures"),
         ("simulations", "gain"),
     }
