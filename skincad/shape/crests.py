@@ -16,6 +16,7 @@ from skincad.shape.skin import Skin, skin_of
 MOST_SHIFT = 0.02
 
 
+MOST_NAMED = 12  # numbers in a message
 # Places across a face where its height is measured, in half its width
 FACE = (-0.8, 0.0, 0.8)
 
@@ -23,7 +24,7 @@ FACE = (-0.8, 0.0, 0.8)
 def crest_places(skin: Skin) -> tuple[tuple[float, float, float], ...]:
     """Return where a part's crests are measured, x, y and height over the flat back, mm: on each feature in
     the order of their numbers, or on a face at FACE along x."""
-    if skin.symmetry != "none":
+    if not skin.bare:
         return tuple((*placed.tip[:2], high) for placed, high in zip(skin.placed, skin.crests, strict=True))
     radius, along = skin.base.curvature_radius, [place * skin.base.width / 2 for place in FACE]
     falls = [2 * radius * math.sin(math.asin(x / radius) / 2) ** 2 for x in along]
@@ -32,7 +33,7 @@ def crest_places(skin: Skin) -> tuple[tuple[float, float, float], ...]:
 
 def crest_column(skin: Skin) -> str:
     """Return what counts the places in a CSV: the feature, "place" on a face."""
-    return skin.family if skin.symmetry != "none" else "place"
+    return skin.family if not skin.bare else "place"
 
 
 def crest_drops(path: Path | str, design: Design) -> tuple[tuple[float, ...], tuple[str, ...]]:
@@ -48,7 +49,9 @@ def crest_drops(path: Path | str, design: Design) -> tuple[tuple[float, ...], tu
     columns = read_columns(path, *dict.fromkeys(((column, "crest_mm"), ("ridge", "crest_mm"))))
     numbers = columns[column if column in columns.by_name else "ridge"]
     if sorted(numbers.tolist()) != list(range(1, len(places) + 1)):
-        raise InputError(str(path), f"must give crest_mm of each {column} from 1 to {len(places)} once")
+        rule = f"must give crest_mm of each {column} from 1 to {len(places)} once"
+        given = ", ".join(f"{number:g}" for number in numbers[:MOST_NAMED])
+        raise InputError(str(path), rule, given, "number them as the casting sheet's form does")
     measured = dict(zip(numbers.astype(int).tolist(), columns["crest_mm"].tolist(), strict=True))
     drops = [designed - measured[i] for i, (_, _, designed) in enumerate(places, 1)]
     key = f"{skin.family}.{'heights' if skin.uneven else 'height'}"

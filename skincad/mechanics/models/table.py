@@ -28,8 +28,8 @@ class ContactModel:
 
     `price` is the time of its own part, without the models in `builds_on`, in that of the linear model: of
     yamada-2002, whose strips ask for a fine section. It judges skins of `families` and `bodies` and, beside
-    flat plates, what it `takes`. Only if the pad itself is `meshed` friction is computed,
-    and its time tells that of others.
+    flat plates, what it `takes`. Only if the pad itself is `meshed` friction is computed, and its time tells
+    that of others.
     """
 
     where: str
@@ -51,7 +51,13 @@ MODELS = {
         "winkler:answer", 2e-3, takes=(SHAPED,), meshed=False, families=("ridge",), bodies=WITH_BENT
     ),
     "reduced": ContactModel(
-        "reduced:answer", 5.0, SMALL, (), (MEASURED,), False, ("ridge", "pin"), ("straight", "turned", "pins")
+        "reduced:answer",
+        5.0,
+        SMALL,
+        takes=(MEASURED,),
+        meshed=False,
+        families=("ridge", "pin"),
+        bodies=("straight", "turned", "pins"),
     ),
     "linear": ContactModel(
         "linear:answer", 1.0, (FREE_ENDS, *SMALL), takes=(SHAPED, MEASURED), families=ALL, bodies=WITH_TURNED
