@@ -6,9 +6,9 @@ A hook of mkdocs. They exist in the built site; a checkout has a line in the pla
 
 from __future__ import annotations
 
+import argparse
 import inspect
 import re
-import sys
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import is_dataclass
 from importlib import import_module
@@ -240,6 +240,9 @@ def on_page_markdown(markdown: str, *, page: Any, **_: Any) -> str:
 
 
 if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path)
+    folder = parser.parse_args().folder
     for path, page in PAGES.items():
-        (Path(sys.argv[1]) / path).parent.mkdir(parents=True, exist_ok=True)
-        (Path(sys.argv[1]) / path).write_text(page())
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_text(page())
