@@ -130,17 +130,21 @@ def test_a_magnet_stiffens_its_pin_and_says_what_its_pocket_holds() -> None:
 @pytest.mark.evidence(subject="calculix: magnets")
 @pytest.mark.skipif(bool(calculix.missing()), reason=calculix.missing())
 def test_calculix_moves_a_magnet_as_far() -> None:
-    """5 % at edges extrapolated to 0: tetrahedra of 0.3 and 0.2 mm are stiff by 11 and 7 %, as the root's
-    sharp corner asks, with Poisson's ratio 0.4, by which they do not lock."""
+    """5 % at edges of 0, by a line through six edges, on which meshes scatter by 1 %: two of them alone told
+    0.99 and 1.07 of the same pin where gmsh had one thread and two. The edge of 0.3 mm is stiff by 11 %, as
+    the root's sharp corner asks, with Poisson's ratio 0.4, by which they do not lock."""
     one = pins.magnetic_six().with_(
         skin={"width": 10.0, "length": 10.0},
         pin={"columns": 1, "rows": 1, "heights": None, "height": 2.4},
         material={"poisson_ratio": 0.4},
     )
-    rough, fine = (pins.magnet_moves(one, ((1, 0), (1, 2)), size) for size in (0.3, 0.2))
-    theirs, ours = 3 * fine[0] - 2 * rough[0], fine[1]
-    for load, part in ((0, 0), (0, 4), (1, 2)):
-        assert ours[load, 0, part] == pytest.approx(theirs[load, 0, part], rel=0.05)
+    edges, ratios = (0.3, 0.27, 0.24, 0.21, 0.18, 0.15), []
+    for edge in edges:
+        theirs, ours = pins.magnet_moves(one, ((1, 0), (1, 2)), edge)
+        ratios.append(
+            [theirs[load, 0, part] / ours[load, 0, part] for load, part in ((0, 0), (0, 4), (1, 2))]
+        )
+    np.testing.assert_allclose(np.polyfit(edges, ratios, 1)[1], 1.0, atol=0.05)
 
 
 @pytest.mark.evidence(subject="calculix: magnets")
