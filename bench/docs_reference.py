@@ -75,8 +75,8 @@ def python_page() -> str:
     words = "Every public name of `skincad`. [Use Python](../howto/python.md) shows them at work."
     lines = ["# Python", "", words, ""]
     for name in skincad.__all__:
-        home = skincad._HOMES[name].replace(":", ".")
-        lines += [f"::: skincad.{home}", "    options:", f"      heading: skincad.{name}"]
+        home = f"{inspect.unwrap(getattr(skincad, name)).__module__}.{name}"
+        lines += [f"::: {home}", "    options:", f"      heading: skincad.{name}"]
         lines += [
             f"      {kind}: [{METHODS}]" for kind in ("members", "inherited_members") if name in DOCUMENTS
         ]

@@ -16,6 +16,7 @@ from inspect import isfunction, signature, unwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
+from skincad.base.faces import face, imported
 from skincad.base.version import __version__ as __version__
 
 if TYPE_CHECKING:
@@ -62,56 +63,52 @@ S = TypeVar("S")
 R = TypeVar("R")
 P = ParamSpec("P")
 
-_HOMES = {  # name -> where it is, imported when it is first used: a check never loads the CAD kernel
-    "Circuit": "circuit.model:Circuit",
-    "Design": "inputs.design:Design",
-    "Detector": "detector.detector:Detector",
-    "Estimate": "base.estimate:Estimate",
-    "InputError": "base.errors:InputError",
-    "RefusedError": "base.errors:RefusedError",
-    "UnclearError": "base.errors:UnclearError",
-    "Scene": "scenes.scene:Scene",
-    "Study": "studies.study:Study",
-    "accept": "material.acceptance:accept",
-    "advise": "studies.advice:advise",
-    "accuracy": "studies.accuracy.accuracy:accuracy",
-    "board": "circuit.boards:board",
-    "check": "studies.holding:check",
-    "design_for": "studies.wish:design_for",
-    "export": "outputs.detector_code:export",
-    "film_offers": "fabrication.films:film_offers",
-    "film_stress": "mechanics.film.stress:film_stress",
-    "fit_material": "material.fit:fit_material",
-    "gain": "circuit.bode:gain",
-    "load": "inputs.catalog:load",
-    "load_circuit": "circuit.model:load_circuit",
-    "load_design": "inputs.catalog:load_design",
-    "load_scene": "scenes.scene:load_scene",
-    "load_study": "studies.study:load_study",
-    "make": "fabrication.making:make",
-    "mold_solids": "solids.mold:mold_solids",
-    "package": "outputs.simulators.package:package",
-    "optimise": "studies.optimising:optimise",
-    "save_picture": "outputs.delivery:save_picture",
-    "section": "shape.skin:section",
-    "simulate": "scenes.simulation:simulate",
-    "skin_solid": "solids.skin:skin_solid",
-    "solve": "studies.solving:solve",
-    "sweep": "studies.sweeping:sweep",
-    "tap_test": "detector.taps:tap_test",
-    "template_names": "inputs.catalog:template_names",
-    "write": "outputs.delivery:write",
-}
-__all__ = sorted(_HOMES)  # noqa: PLE0605
+# Imported when it is first used: a check never loads the CAD kernel
+_public, _names = face(
+    __name__,
+    """
+    base.errors: InputError RefusedError UnclearError
+    base.estimate: Estimate
+    circuit.boards: board
+    circuit.bode: gain
+    circuit.model: Circuit load_circuit
+    detector.detector: Detector
+    detector.taps: tap_test
+    fabrication.films: film_offers
+    fabrication.making: make
+    inputs.catalog: load load_design template_names
+    inputs.design: Design
+    material.acceptance: accept
+    material.fit: fit_material
+    mechanics.film.stress: film_stress
+    outputs.delivery: save_picture write
+    outputs.detector_code: export
+    outputs.simulators.package: package
+    scenes.scene: Scene load_scene
+    scenes.simulation: simulate
+    shape.skin: section
+    solids.mold: mold_solids
+    solids.skin: skin_solid
+    studies.accuracy.accuracy: accuracy
+    studies.advice: advise
+    studies.holding: check
+    studies.optimising: optimise
+    studies.solving: solve
+    studies.study: Study load_study
+    studies.sweeping: sweep
+    studies.wish: design_for
+    """,
+)
+__all__ = _names()  # noqa: PLE0605
 
 
 # by the name of a public function's argument: what loads it where a name or a path is given instead
 _LOADERS = {
-    "design": "inputs.catalog:load_design",
-    "scene": "scenes.scene:load_scene",
-    "circuit": "circuit.model:load_circuit",
-    "subject": "studies.subject:load_subject",
-    "study": "studies.study:load_study",
+    "design": "skincad.inputs.catalog:load_design",
+    "scene": "skincad.scenes.scene:load_scene",
+    "circuit": "skincad.circuit.model:load_circuit",
+    "subject": "skincad.studies.subject:load_subject",
+    "study": "skincad.studies.study:load_study",
 }
 
 
@@ -119,16 +116,9 @@ def __getattr__(name: str) -> Any:
     """Import a public name when it is first used."""
     if name == "laws":
         return import_module("skincad.laws")
-    if name not in _HOMES:
-        raise AttributeError(f"module 'skincad' has no attribute '{name}'")
-    thing = _imported(_HOMES[name])
+    thing = _public(name)
     globals()[name] = by_name(thing) if isfunction(unwrap(thing)) else thing
     return globals()[name]
-
-
-def _imported(home: str) -> Any:
-    module, _, thing = home.partition(":")
-    return getattr(import_module(f"skincad.{module}"), thing)
 
 
 def by_name(function: Callable[Concatenate[S, P], R]) -> Callable[Concatenate[S | str | Path, P], R]:
@@ -145,7 +135,7 @@ def by_name(function: Callable[Concatenate[S, P], R]) -> Callable[Concatenate[S 
         arguments = form.bind(*given, **named)
         for name in loaded:
             if isinstance(source := arguments.arguments.get(name), str | Path):
-                arguments.arguments[name] = _imported(_LOADERS[name])(source)
+                arguments.arguments[name] = imported(_LOADERS[name])(source)
         return function(*arguments.args, **arguments.kwargs)
 
     call.__module__ = __name__  # where pickle finds it

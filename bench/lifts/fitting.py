@@ -27,7 +27,7 @@ from bench.exam.network import Samples, fitted
 from bench.lifts.scenes import AMPLIFIERS, BAND, RATE, Lift, circuit, drawn, finger
 from skincad.detector import GRIP, GRIPPER, Weights, change_noise, detector, features, tuned
 from skincad.mechanics import ContactError
-from skincad.scenes.grip import Felt, followed
+from skincad.scenes.grip import Force, followed
 from skincad.scenes.lift import Ears, LiftRun, carried
 
 COUNT, LOOPED, LATER = 240, 210, 600  # lifts; the first seed of those in a closed loop
@@ -60,17 +60,11 @@ class Marched:
     closed: int
 
 
-class Planned:
-    """A policy that hears nothing."""
+class Planned(Force):
+    """A policy of planned forces, N `(n,)`."""
 
     def __init__(self, force: np.ndarray) -> None:
-        self.force, self.count = force, 0
-        self.alarms: list[int] = []
-
-    def wanted(self, felt: Felt) -> np.ndarray:
-        """Return the planned forces."""
-        self.count += felt.pull.size
-        return self.force[self.count - felt.pull.size : self.count]
+        self.needed, self.count, self.alarms = force, 0, []
 
 
 def planned(one: Lift) -> np.ndarray:

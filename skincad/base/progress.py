@@ -7,7 +7,7 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 from skincad.base.interrupt import safe_point
 
@@ -123,18 +123,11 @@ def _time_bar() -> Any:
     return TimeBar(WIDTH)
 
 
-class Progress(Protocol):
-    """Told what is being done and, where a cost model knows, how many seconds are left to the job's end."""
-
-    def __call__(self, stage: str, left: float | None = None, /) -> object:
-        """Take note of a stage that begins; `left` None: as told before."""
-
-
-class Tick(Protocol):
-    """Told a march's stage, its step, and the seconds left to its end."""
-
-    def __call__(self, stage: str, step: int, left: float | None = None, /) -> object:
-        """Take note of a step that is done; `left` None: as told before."""
+# Told (stage, left): the stage that begins and, where a cost model knows, the seconds left to the job's end;
+# without them, as told before
+Progress = Callable[..., object]
+# Told (stage, step, left): a march's stage, the step that is done, and the seconds left to its end
+Tick = Callable[..., object]
 
 
 def clock(seconds: float) -> str:

@@ -14,6 +14,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from functools import cache
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeVar, cast, dataclass_transform
 
@@ -74,6 +75,11 @@ def reported(
     """Make a method a property that is reported, as `item` does a field."""
     declared = ReportedItem(unit, meaning, **options)
     return lambda method: ReportedProperty(method, declared)
+
+
+def reported_from(path: str, unit: str = "", meaning: str = "", **options: Any) -> Any:
+    """Return a property that reports what another record has, as "scene.name", as `reported` does."""
+    return ReportedProperty(attrgetter(path), ReportedItem(unit, meaning, **options))
 
 
 def key_of(name: str, unit: str) -> str:

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from skincad.base.errors import InputError
-from skincad.base.result import Record, Result, item, record, reported
+from skincad.base.result import Record, Result, item, record, reported_from
 from skincad.circuit.bode import without_rig
 from skincad.circuit.model import UNLIMITED, Amplifier, Circuit, circuit_network, constants
 from skincad.circuit.network import PICO, Constants, network
@@ -153,10 +153,7 @@ class Board(Result):
     test_frequency: float = item("Hz", "at which a channel is tested")
     test_gain: float = item(meaning="V/V there, from a generator through 10 pF, without a film")
 
-    @reported(meaning="of the circuit")
-    def name(self) -> str:
-        """The circuit's name."""
-        return self.circuit.name
+    name = reported_from("circuit.name", meaning="of the circuit")
 
     @property
     def follows(self) -> bool:
@@ -222,7 +219,7 @@ def board(circuit: Circuit, strips: int | str | Sequence[str] = 8) -> Board:
         circuit=circuit,
         constants=real,
         purchases=tuple(Purchase(f"amplifier.{key}", getattr(c, key), getattr(real, key)) for key in keys),
-        parts=tuple(_parts(names, _Values(series, feedback, across, bias, *low_pass))),
+        parts=tuple(_parts(names, series, feedback, across, bias, low_pass)),
         channels=tuple(_channels(names)),
         rate=rate,
         corner=1 / (2 * math.pi * low_pass[0].value * low_pass[1].value),
@@ -411,17 +408,6 @@ def _largest_difference(circuit: Circuit, c: Constants, real: Constants, corner:
     return float(change[np.argmax(np.abs(change))])
 
 
-class _Values(NamedTuple):
-    """The parts of a channel."""
-
-    series: Chip
-    feedback: Chip
-    across: Chip
-    bias: Chip | None
-    resistor: Chip
-    capacitor: Chip
-
-
 def unit(number: int) -> tuple[str, str, tuple[str, str, str]]:
     """Return the chip, the letter and the pins (inverting, other input, output) of an amplifier, from 0."""
     pins = (("2", "3", "1"), ("6", "5", "7"), ("9", "10", "8"), ("13", "12", "14"))[number % UNITS]
@@ -434,7 +420,14 @@ def _channels(names: Sequence[str]) -> Iterator[Channel]:
         yield Channel(strip, 2 * n + 1, 2 * n + 2, f"{chip}{letter}", n + 3, *INPUTS[n])
 
 
-def _parts(names: Sequence[str], values: _Values) -> Iterator[BoardPart]:
+def _parts(
+    names: Sequence[str],
+    series: Chip,
+    feedback: Chip,
+    across: Chip,
+    bias: Chip | None,
+    low_pass: tuple[Chip, Chip],
+) -> Iterator[BoardPart]:
     """All parts with their nets. A strip's nets: 3S1+ at the film, 3S1/c between the diodes, 3S1/i at the
     input, 3S1/b behind a follower's feedback, 3S1/o at the output, and 3S1 at the converter."""
     chips: dict[str, dict[str, str]] = {}
@@ -445,17 +438,17 @@ def _parts(names: Sequence[str], values: _Values) -> Iterator[BoardPart]:
 
     for n, strip in enumerate(names):
         at, clamp, inside, out = 100 * (n + 1), f"{strip}/c", f"{strip}/i", f"{strip}/o"
-        back = f"{strip}/b" if values.bias else inside
-        yield _part(f"R{at + 1}", "R", "series", values.series, f"{strip}+", clamp)
+        back = f"{strip}/b" if bias else inside
+        yield _part(f"R{at + 1}", "R", "series", series, f"{strip}+", clamp)
         yield _part(f"D{at + 1}", "clamp", "clamp", CLAMP, GND, RAIL, clamp)
-        yield _part(f"R{at + 2}", "R", "series", values.series, clamp, inside)
-        yield _part(f"R{at + 3}", "R", "feedback", values.feedback, back, out)
-        yield _part(f"C{at + 1}", "C", "across", values.across, back, out)
-        yield _part(f"R{at + 4}", "R", "low-pass", values.resistor, out, strip)
-        yield _part(f"C{at + 2}", "C", "low-pass", values.capacitor, strip, GND)
-        if values.bias:
-            yield _part(f"R{at + 5}", "R", "bias", values.bias, inside, MIDDLE)
-        amplifier(n, back, inside if values.bias else MIDDLE, out)
+        yield _part(f"R{at + 2}", "R", "series", series, clamp, inside)
+        yield _part(f"R{at + 3}", "R", "feedback", feedback, back, out)
+        yield _part(f"C{at + 1}", "C", "across", across, back, out)
+        yield _part(f"R{at + 4}", "R", "low-pass", low_pass[0], out, strip)
+        yield _part(f"C{at + 2}", "C", "low-pass", low_pass[1], strip, GND)
+        if bias:
+            yield _part(f"R{at + 5}", "R", "bias", bias, inside, MIDDLE)
+        amplifier(n, back, inside if bias else MIDDLE, out)
     count = len(names)
     amplifier(count, "middle", "half", "middle")
     spares = -(count + 1) % UNITS

@@ -18,7 +18,7 @@ import numpy as np
 from skincad.base.columns import read_columns
 from skincad.base.errors import InputError
 from skincad.base.progress import Progress, Stopwatch
-from skincad.base.result import Record, Result, item, record, reported
+from skincad.base.result import Record, Result, item, record, reported, reported_from
 from skincad.circuit.calibrate import Calibration, calibrate
 from skincad.circuit.model import (
     Circuit,
@@ -89,10 +89,7 @@ class CircuitGain(Result):
     warnings: tuple[str, ...] = item(meaning="what to know of the numbers")
     seconds: dict[str, float] = item(meaning="wall time by stage, s")
 
-    @reported(meaning="of the circuit")
-    def name(self) -> str:
-        """The circuit's name."""
-        return self.circuit.name
+    name = reported_from("circuit.name", meaning="of the circuit")
 
     def columns(self) -> dict[str, Any]:
         """Return a row for each frequency: the gain, and with a rig the film's own."""

@@ -405,7 +405,7 @@ def listen(
             alarms, wire.alarms = wire.alarms, []
             events = listener.hear(block)
             events += [
-                {"kind": "board alarm", "alarm": alarm.kind, "ridge": alarm.ridge, "sample": alarm.sample}
+                {"kind": "board alarm", "alarm": alarm.kind, "ridge": alarm.ridge, "sample": alarm.index}
                 for alarm in alarms
             ]
             for event in events:
@@ -414,7 +414,7 @@ def listen(
         for event in listener.finish():
             tell(event)
         for alarm in wire.alarms:
-            tell({"kind": "board alarm", "alarm": alarm.kind, "ridge": alarm.ridge, "sample": alarm.sample})
+            tell({"kind": "board alarm", "alarm": alarm.kind, "ridge": alarm.ridge, "sample": alarm.index})
         why = "end"
     except InputError as failure:
         why = str(failure)

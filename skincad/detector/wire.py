@@ -26,6 +26,7 @@ import numpy as np
 
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
+from skincad.detector.detector import Alarm
 from skincad.inputs.recordings import column_name
 
 COUNTER, TIME = b"sample", b"time_s"
@@ -36,15 +37,6 @@ LONGEST_LINE = 100_000  # bytes: no line of a thousand columns is longer
 RATE_TOLERANCE = 0.02  # of the rate: the windows are whole samples, and the time of an alarm is as wrong
 RATE_SECONDS = 0.5  # of a recording, over which its rate is measured
 FEWEST_STAMPS = 20  # rows, of which a rate is measured
-
-
-@dataclass(frozen=True)
-class BoardAlarm:
-    """An alarm of the board's own detector at its sample: `kind`, and the ridge, None of the whole skin."""
-
-    kind: str
-    ridge: int | None
-    sample: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +81,7 @@ class Wire:
         self.columns = [column_name(ridge, side).encode() for ridge, side in channels]
         self.header: list[bytes] | None = None
         self.garbled, self.line = 0, 0
-        self.alarms = list[BoardAlarm]()  # of the board, until somebody takes them
+        self.alarms = list[Alarm]()  # of the board, at its samples, until somebody takes them
         self._left = b""
         self._places = list[int]()
         self._last: tuple[float, float, float, Array] | None = None  # key, number, time and volts
@@ -218,7 +210,7 @@ class Wire:
         cells = line.decode(errors="replace").split(",")
         try:
             ridge = int(cells[3]) if len(cells) > 3 and cells[3].strip() else None
-            self.alarms.append(BoardAlarm(cells[2], ridge, int(cells[1])))
+            self.alarms.append(Alarm(cells[2], ridge, int(cells[1])))
         except (IndexError, ValueError):
             self.garbled += 1
             if not self.noisy:

@@ -52,7 +52,6 @@ from skincad.circuit.state import (
 from skincad.effects.kinds import Observables, Reader, ReaderContext
 from skincad.inputs.catalog import named_document
 from skincad.inputs.design import Design
-from skincad.inputs.skin_tables import Film as Strip
 
 FINE = 0.1  # of the low-pass's time: a step of the network; straight lines between leave 0.01 / 12
 MOST_STEPS = 200  # of the network in one of the march
@@ -175,7 +174,8 @@ class Piezo(Reader):
 
 def strip_charges(circuit: Circuit, design: Design, stress: Array) -> Array:
     """Return charges `(steps + 1, strips)` C of a Reading's stresses `(steps + 1, strips, 3)` MPa."""
-    strip = _strip(design)
+    strip = design.film
+    assert strip is not None  # it has an electrode
     through, over, along = np.moveaxis(stress, -1, 0)
     return charge(
         through,
@@ -298,11 +298,6 @@ class Chain:
 
 def _decibels(signal: float, noise: float) -> float | None:
     return 20 * math.log10(signal / noise) if signal > 0 and noise > 0 else None
-
-
-def _strip(design: Design) -> Strip:
-    assert design.film is not None
-    return design.film
 
 
 def _clipping(name: str, clipped: Sequence[Mapping[str, Any]], swings: float, duration: float) -> list[str]:

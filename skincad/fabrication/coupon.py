@@ -23,7 +23,7 @@ from skincad.base.errors import InputError, did_you_mean
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress, Stopwatch
 from skincad.base.reading import text_of
-from skincad.base.result import Result, item, record, reported
+from skincad.base.result import Result, item, record, reported, reported_from
 from skincad.fabrication import pouring
 from skincad.fabrication.papers import paper
 from skincad.inputs import measurements as forms
@@ -95,9 +95,7 @@ class CouponKit(Result):
         """Whether it was made: a coupon that cannot be is refused."""
         return True
 
-    @reported(meaning="what is cast", key="silicone")
-    def _silicone(self) -> str:
-        return self.silicone.name
+    _silicone = reported_from("silicone.name", meaning="what is cast", key="silicone")
 
     @reported(meaning="what is made, in mm3", key="parts")
     def _parts(self) -> list[dict[str, Any]]:

@@ -108,6 +108,10 @@ class FilmOffer(Record):
     unchecked: str = item(meaning="what is as commonly listed, and was not checked", null=True)
 
 
+# what a product and its offer both have, by the same name
+AS_SOLD = "maker", "product", "electrode", "metal", "cut", "size", "source", "date", "unchecked"
+
+
 @record()
 class FilmOffers(Result):
     """What can be bought for a design's strips, and how they are cut."""
@@ -193,19 +197,11 @@ def _offer(name: str, row: FilmProduct, margins: Film, film: Film | None, takes:
     facts |= {"ratio": ratio, "offset": offset, "going_in": going_in, "obstacles": obstacles}
     return FilmOffer(
         name=name,
-        maker=row.maker,
-        product=row.product,
         fits=None if gauge is None else not obstacles,
         why=_words("why", row, facts),
         gauge=gauge,
         sheet=sheet,
         bending_ratio=ratio,
         off_neutral=offset,
-        electrode=row.electrode,
-        metal=row.metal,
-        cut=row.cut,
-        size=row.size,
-        source=row.source,
-        date=row.date,
-        unchecked=row.unchecked,
+        **{key: getattr(row, key) for key in AS_SOLD},
     )

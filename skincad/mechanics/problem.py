@@ -12,7 +12,7 @@ import shapely
 from skincad.base.arrays import Array, Mask
 from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
-from skincad.base.result import Record, item, reported
+from skincad.base.result import Record, item, reported_from
 from skincad.inputs.design import Design
 from skincad.inputs.guards import THINNEST
 from skincad.inputs.material import layers, silicone
@@ -245,15 +245,9 @@ class Yield(Record):
         "mm", "of its contact: the same", key="yield_contact_width_mm", default=None, optional=True
     )
 
-    @reported(meaning="the share", key="yield", error="error")
-    def share(self) -> float | None:
-        """The share, without its error."""
-        return self.passing.value
+    share = reported_from("passing.value", meaning="the share", key="yield", error="error")
 
-    @reported(meaning="its error", key="yield_error")
-    def error(self) -> float | None:
-        """The share's error."""
-        return self.passing.error
+    error = reported_from("passing.error", meaning="its error", key="yield_error")
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from skincad.base.errors import InputError
-from skincad.base.result import Result, Writer, item, record, reported
+from skincad.base.result import Result, Writer, item, record, reported, reported_from
 from skincad.base.version import __version__
 from skincad.detector import features
 from skincad.detector.detector import AHEAD, BACK, GRIPPER, SEEN, SKIN, Detector, Tuning
@@ -64,20 +64,17 @@ class DetectorCode(Result):
         meaning="whether the amplifier's pin moves against output_V, so that the sketch turns it"
     )
 
-    @reported("V", "rms of S1 - S2, which alarms are measured by where change_V is null")
-    def noise(self) -> float:
-        """Noise of a pair, V rms."""
-        return self.tuning.noise
+    noise = reported_from(
+        "tuning.noise", "V", "rms of S1 - S2, which alarms are measured by where change_V is null"
+    )
 
-    @reported("V", "rms of what S1 - S2 changes by from sample to sample, where the detector hears that")
-    def change(self) -> float | None:
-        """Noise of a pair's changes, V rms; None where the outputs themselves are heard."""
-        return self.tuning.change
+    change = reported_from(
+        "tuning.change",
+        "V",
+        "rms of what S1 - S2 changes by from sample to sample, where the detector hears that",
+    )
 
-    @reported(meaning="samples from one decision to the next")
-    def every(self) -> int:
-        """Samples from one decision to the next."""
-        return self.tuning.every
+    every = reported_from("tuning.every", meaning="samples from one decision to the next")
 
     @reported(meaning="values of a sample: S1 and S2 of each ridge")
     def channels(self) -> int:

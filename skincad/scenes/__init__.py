@@ -10,7 +10,7 @@ __getattr__, __dir__ = face(
     carrying: Carried Carrier PressedSkin carrier
     ears: Ears rate_of
     errors: BySource Slips intervals near_chosen slip_errors slips_of
-    grip: Felt Force Grip followed
+    grip: Force Grip followed
     lift: Lift LiftRun carried
     march: GROSS_SLIP LEVELS Level March expected frames
     plan: IN_CHOSEN_STEPS DEFAULT_TOLERANCE FREE_ENDS SMALL_STRAIN chosen_steps folds

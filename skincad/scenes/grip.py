@@ -12,9 +12,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Literal, Protocol, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
@@ -31,11 +30,14 @@ PLANNED = 500  # steps of a lift's plan
 HEARING = "detector", "stress-rate"  # policies that hear the films
 
 
-def _listed(value: object) -> object:
-    return value.tolist() if isinstance(value, np.ndarray) else value
+def listed(value: object) -> object:
+    """Return a tuple, range or array as the list that a file has."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return list(value) if isinstance(value, tuple | range) else value
 
 
-Numbers = Annotated[list[float], BeforeValidator(_listed)]
+Numbers = Annotated[list[float], BeforeValidator(listed)]
 
 
 class Grip(Table):
@@ -142,36 +144,6 @@ class Grip(Table):
         return self.model_copy(update=known)
 
 
-@dataclass(frozen=True, eq=False)
-class Felt:
-    """The samples since the last: `outputs` `(n, ridges, 2)` V of the wired films, and what the force on the
-    finger is along it, `pull` `(n,)` N; `grip` N is what was asked for last."""
-
-    outputs: Array
-    pull: Array
-    grip: float
-
-
-class Policy(Protocol):
-    """What a gripper does with what it feels."""
-
-    alarms: list[int]
-
-    def wanted(self, felt: Felt) -> Array:
-        """Return the force asked of each finger `(n,)` N at each new sample."""
-
-
-class Constant:
-    """Grips as it did."""
-
-    def __init__(self) -> None:
-        self.alarms: list[int] = []
-
-    def wanted(self, felt: Felt) -> Array:
-        """Return the same force again."""
-        return np.full(felt.pull.size, felt.grip)
-
-
 # of the first force, at the first alarm of a detector, and where a stress-rate falls, which is more often;
 # set on even seeds of bench/lifts, as are the next two
 HARDER, HARDER_BY_RATE = 0.4, 0.25
@@ -194,19 +166,20 @@ class Raising:
         self.alarms: list[int] = []
         self.count, self.first = 0, 0.0
 
-    def wanted(self, felt: Felt) -> Array:
-        """Return the force, raised at slips."""
-        force, asked = felt.grip, np.empty(felt.pull.size)
+    def wanted(self, outputs: Array, force: float, count: int) -> Array:
+        """Return the force asked of a finger `(count,)` N, raised at slips, at each sample since the last:
+        `outputs` `(count, ridges, 2)` V of the wired films, after `force` N was asked for."""
+        asked = np.empty(count)
         self.first = self.first or force
         last = self.alarms[-1] if self.alarms else -math.inf
-        for i, slips in enumerate(self.heard(felt.outputs).tolist()):
+        for i, slips in enumerate(self.heard(outputs).tolist()):
             at = self.count + i
             if slips and at >= self.begun and at >= last + self.pause:
                 last = at
                 self.alarms.append(at)
                 force += self.harder / len(self.alarms) ** LESS * self.first
             asked[i] = force
-        self.count += felt.pull.size
+        self.count += count
         return asked
 
 
@@ -221,10 +194,10 @@ class Force:
         self.alarms: list[int] = []
         self.count = 0
 
-    def wanted(self, felt: Felt) -> Array:
-        """Return what friction needs."""
-        self.count += felt.pull.size
-        return np.asarray(self.needed[self.count - felt.pull.size : self.count])
+    def wanted(self, outputs: Array, force: float, count: int) -> Array:  # noqa: ARG002
+        """Return what friction needs, as `Raising.wanted`."""
+        self.count += count
+        return np.asarray(self.needed[self.count - count : self.count])
 
 
 def alarmed(detector: Detector) -> Callable[[Array], Mask]:

@@ -27,7 +27,7 @@ from skincad.base.estimate import Estimate
 from skincad.base.interrupt import safe_point
 from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Tick
-from skincad.base.result import Result, item, record, reported
+from skincad.base.result import Result, item, record, reported, reported_from
 from skincad.circuit.response import tells_stress
 from skincad.detector.detector import Detector, Tuning, change_noise, tuned
 from skincad.effects.kinds import FRICTIONLESS, LeftOutEffect, PlatePath
@@ -40,11 +40,8 @@ from skincad.scenes.errors import slip_by_ridge
 from skincad.scenes.grip import (
     HARDER_BY_RATE,
     HEARING,
-    Constant,
-    Felt,
     Force,
     Grip,
-    Policy,
     Raising,
     alarmed,
     fallen,
@@ -116,10 +113,10 @@ def tuning_of(scene: Scene, rate: float, chain: Chain) -> Tuning:
     return tuned(rate, bandwidth(scene, rate), pair, alarms, change=change)
 
 
-def policy_of(scene: Scene, grip: Grip, rate: float, ears: Ears | None, load: Array) -> Policy:
+def policy_of(scene: Scene, grip: Grip, rate: float, ears: Ears | None, load: Array) -> Raising | Force:
     """Return the scene's policy under a `load` `(n,)` N, at its start."""
     if grip.policy == "constant":
-        return Constant()
+        return Force(math.inf, grip.force, load, 0)  # what is never needed: it grips as at first
     if grip.policy == "force":
         friction = (scene.cone or FRICTIONLESS).static
         ramp = float(np.abs(load).max()) / friction / (grip.force_rate or math.inf)
@@ -144,7 +141,7 @@ def carried(
     gain: float = 1.0,
     finer: int = 1,
     tick: Callable[[int], None] | None = None,
-    policy: Policy | None = None,
+    policy: Raising | Force | None = None,
 ) -> LiftRun:
     """March a lift on a finger. `gain` is what the films' signals are multiplied by, `finer` how many steps
     are marched in one sample; `policy` is the scene's if not given. Raises ContactError for a step that does
@@ -183,9 +180,8 @@ def carried(
         at = len(states) - len(new)
         if ears:
             outputs.append(ears.outputs(np.array([state.films for state in new])))
-        pull = np.array([state.pull for state in new])
-        felt = Felt(outputs[-1], pull, float(wanted[max(0, at - 1)]))
-        wanted[at : len(states)] = policy.wanted(felt)
+        asked = float(wanted[max(0, at - 1)])
+        wanted[at : len(states)] = policy.wanted(outputs[-1], asked, len(new))
         wanted[len(states) :] = wanted[len(states) - 1]
         if tick:
             tick(len(states) - 1)
@@ -234,10 +230,7 @@ class Lift(Result):
     seconds: dict[str, float] = item(meaning="wall time by stage, s")
     warnings: tuple[str, ...] = item(meaning="what to know of the numbers")
 
-    @reported(meaning="of the scene")
-    def name(self) -> str:
-        """The scene's name."""
-        return self.scene.name
+    name = reported_from("scene.name", meaning="of the scene")
 
     @property
     def grip(self) -> Grip:
@@ -245,15 +238,9 @@ class Lift(Result):
         assert self.scene.grip is not None
         return self.scene.grip.acts(self.scene.design.grippers or {})
 
-    @reported(meaning="what grips harder when")
-    def policy(self) -> str:
-        """The policy's name."""
-        return self.grip.policy
+    policy = reported_from("grip.policy", meaning="what grips harder when")
 
-    @reported(meaning="that grips")
-    def gripper(self) -> str:
-        """The gripper's name."""
-        return self.grip.gripper
+    gripper = reported_from("grip.gripper", meaning="that grips")
 
     @reported(meaning="of the object: held, dropped, or undecided where the errors allow both")
     def verdict(self) -> str:
@@ -272,10 +259,7 @@ class Lift(Result):
         """The verdict as a number, to rank and search by."""
         return None if self.passed is None else int(self.passed)
 
-    @reported(meaning="whether it slid out of the fingers, where its slide ends")
-    def lost(self) -> bool:
-        """Whether the object slid out of the fingers."""
-        return self.march.lost
+    lost = reported_from("march.lost", meaning="whether it slid out of the fingers, where its slide ends")
 
     def _errors(self, of: Callable[[LiftRun], float | None]) -> dict[str, float | None]:
         """By how much a number is off by each source: the largest change; None where one run has none."""
@@ -306,20 +290,14 @@ class Lift(Result):
         """The slide's error by source, mm."""
         return self._errors(_slide)
 
-    @reported("g", "of the object")
-    def mass(self) -> float:
-        """The object's mass, g."""
-        return self.grip.mass
+    mass = reported_from("grip.mass", "g", "of the object")
 
     @reported(meaning="static friction's coefficient, which the policy does not know")
     def friction(self) -> float:
         """Static friction's coefficient."""
         return (self.scene.cone or FRICTIONLESS).static
 
-    @reported("s", "from what is felt to a change of force")
-    def delay(self) -> float | None:
-        """The gripper's delay, s."""
-        return self.grip.delay
+    delay = reported_from("grip.delay", "s", "from what is felt to a change of force")
 
     @reported("N", "of a finger that never changes and holds: the largest load over friction")
     def least_grip(self) -> float:
@@ -413,15 +391,13 @@ class Lift(Result):
             for r, level in zip(ridges, levels.tolist(), strict=True)
         }
 
-    @reported(meaning="the largest relative violation of contact and equilibrium", key="residual_max")
-    def residual(self) -> float:
-        """The largest residual of all steps."""
-        return self.march.residual
+    residual = reported_from(
+        "march.residual",
+        meaning="the largest relative violation of contact and equilibrium",
+        key="residual_max",
+    )
 
-    @reported(meaning="of the mesh")
-    def unknowns(self) -> int:
-        """Unknowns of the march's mesh."""
-        return self.march.unknowns
+    unknowns = reported_from("march.unknowns", meaning="of the mesh")
 
     def columns(self) -> dict[str, Any]:
         """Return a row for each sample: time, forces, slide, how many ridges slip, alarms and outputs."""

@@ -39,7 +39,7 @@ from skincad.inputs.catalog import (
 )
 from skincad.inputs.design import Design
 from skincad.mechanics.contact.state import Drive, FrictionCoefficients
-from skincad.scenes.grip import HEARING, Grip
+from skincad.scenes.grip import HEARING, Grip, Numbers, listed
 from skincad.shape.skin import skin_of
 
 MOST_FRAMES = 60  # of an animation of less than 2 MB
@@ -49,16 +49,6 @@ LARGEST = {"time_s": 1e6, "normal_force_N": 1e6, "tangential_force_N": 1e6, "dis
 NARROWEST = 1e-4  # Hz; less shows nothing of the longest history
 SHORTEST = 1e-9  # s; assumption: sound passes a micrometre of silicone, far less than any mesh shows
 ROUNDING = 4.0  # units in the last place of the history's end: as far as two sums to one time are apart
-
-
-def _listed(value: Any) -> Any:
-    """A tuple, range or array as the list that a file has."""
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    return list(value) if isinstance(value, tuple | range) else value
-
-
-Numbers = Annotated[list[float], BeforeValidator(_listed)]
 
 
 class History(Table):
@@ -198,7 +188,7 @@ class ScenePlate(Table):
 class Readout(Table):
     """What is reported."""
 
-    ridges: Annotated[list[int], BeforeValidator(_listed), AfterValidator(sorted)] = Field(
+    ridges: Annotated[list[int], BeforeValidator(listed), AfterValidator(sorted)] = Field(
         default=[], description="ridges whose films' stresses are reported", max_length=999
     )
     bandwidth_Hz: float = quantity(  # noqa: N815
@@ -209,7 +199,7 @@ class Readout(Table):
         description="of the slip detector: few false ones, or few slips without one, or grip: for a gripper "
         "that grips harder, the default beside [grip]",
     )
-    steps: Annotated[list[Annotated[int, Field(ge=0)]], BeforeValidator(_listed)] = Field(
+    steps: Annotated[list[Annotated[int, Field(ge=0)]], BeforeValidator(listed)] = Field(
         default=[], description="at which the deformed section is drawn with its stress", max_length=100
     )
     frames: int = Field(

@@ -15,7 +15,7 @@ from skincad.base.errors import InputError, did_you_mean, require_goals
 from skincad.base.estimate import Estimate
 from skincad.base.interrupt import INTERRUPTED
 from skincad.base.progress import Tick
-from skincad.base.result import Record, Result, item, record, reported
+from skincad.base.result import Record, Result, item, record, reported, reported_from
 from skincad.circuit.model import circuit_network, fitted
 from skincad.circuit.state import FilteredSignal, band_limited, delay
 from skincad.effects.kinds import LeftOutEffect, Reader, ReaderContext
@@ -187,6 +187,7 @@ class Simulation(Result):
     """A scene's result. `raw` and `signals`, by monitored ridge: differential stress S1 - S2, MPa, as it is
     and band-limited; `error` MPa its change from the mesh before, None with one mesh, and `stress_errors`
     MPa its whole error by source; `slipping` `(steps + 1, ridges)`; `slip_errors` ms.
+    `time` s and `slip_share` are `(steps + 1,)`.
     """
 
     shown_by = "skincad.outputs.simulations:SIMULATION"
@@ -214,10 +215,7 @@ class Simulation(Result):
     seconds: dict[str, float] = item(meaning="wall time by stage, s")
     warnings: tuple[str, ...] = item(meaning="what to know of the numbers")
 
-    @reported(meaning="of the scene")
-    def name(self) -> str:
-        """The scene's name."""
-        return self.scene.name
+    name = reported_from("scene.name", meaning="of the scene")
 
     @reported(meaning="which of the physics is in")
     def effects(self) -> list[str]:
@@ -241,15 +239,9 @@ class Simulation(Result):
         """How many steps were marched."""
         return len(self.march.readings) - 1
 
-    @reported(meaning="why it ended early")
-    def stopped(self) -> Any:
-        """Why the march ended early, None where it did not."""
-        return self.march.stopped
+    stopped = reported_from("march.stopped", meaning="why it ended early")
 
-    @reported("s", "of each step, from rest")
-    def time(self) -> Array:
-        """Time of each step `(steps + 1,)`, s."""
-        return self.march.time
+    time = reported_from("march.time", "s", "of each step, from rest")
 
     @reported("N", "on the plate, at each step")
     def normal_force(self) -> Array:
@@ -261,10 +253,7 @@ class Simulation(Result):
         """The plate's tangential force `(steps + 1,)`, N."""
         return self.march.column("tangential")
 
-    @reported(meaning="of the touching area that slips, at each step")
-    def slip_share(self) -> Array:
-        """The share of the touching area that slips `(steps + 1,)`."""
-        return self.march.slip_share
+    slip_share = reported_from("march.slip_share", meaning="of the touching area that slips, at each step")
 
     @reported("MPa", "S1 - S2 of each monitored ridge, band-limited")
     def differential_stress(self) -> dict[int, Array]:
@@ -281,20 +270,14 @@ class Simulation(Result):
         """Its second derivative `(steps + 1,)` by ridge, MPa/s2."""
         return {ridge: signal.jerk for ridge, signal in self.signals.items()}
 
-    @reported("Hz", "of the readout", key="bandwidth_Hz")
-    def bandwidth(self) -> float:
-        """The readout's bandwidth, Hz."""
-        return self.scene.readout.bandwidth_Hz
+    bandwidth = reported_from("scene.readout.bandwidth_Hz", "Hz", "of the readout", key="bandwidth_Hz")
 
     @reported(meaning="the largest relative violation of contact and equilibrium", key="residual_max")
     def residual(self) -> float:
         """The largest residual of all steps."""
         return float(self.march.column("residual").max())
 
-    @reported(meaning="of the mesh")
-    def unknowns(self) -> int:
-        """Unknowns of the march's mesh."""
-        return self.march.unknowns
+    unknowns = reported_from("march.unknowns", meaning="of the mesh")
 
     @reported("s", "by how much the signals lag behind what is felt", key="signal_delay_s")
     def delay(self) -> float:

@@ -16,7 +16,7 @@ from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError, require_number
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress
-from skincad.base.result import Record, Result, columns_of, item, record, reported
+from skincad.base.result import Record, Result, columns_of, item, record, reported, reported_from
 from skincad.inputs.design import Design
 from skincad.inputs.silicone import silicones
 from skincad.studies.query import (
@@ -79,17 +79,11 @@ class Solution(Result):
     )
     complete: bool = False
 
-    @reported(meaning="of the subject")
-    def name(self) -> str:
-        """The subject's name."""
-        return self.subject.name
+    name = reported_from("subject.name", meaning="of the subject")
 
     _vary = ranges
 
-    @reported(meaning="the model of all checks", key="tier")
-    def model(self) -> str | None:
-        """The model of all checks."""
-        return self.question.model
+    model = reported_from("question.model", meaning="the model of all checks", key="tier")
 
     @reported(meaning="how many there were", key="evaluations")
     def _evaluations(self) -> int:

@@ -19,7 +19,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from skincad.base.arrays import Array
 from skincad.base.errors import InputError
 from skincad.base.estimate import Estimate
-from skincad.base.result import Record, Result, columns_of, item, record, reported
+from skincad.base.result import Record, Result, columns_of, item, record, reported, reported_from
 from skincad.base.tables import Document, Table
 from skincad.inputs.catalog import read_table, setting_key
 from skincad.mechanics.models.table import model_named
@@ -317,25 +317,13 @@ class Optimisation(Result):
     reused: int = item(meaning="that a log had")
     seconds: float  # wall time of this run
 
-    @reported(meaning="of the study")
-    def name(self) -> str:
-        """The study's name."""
-        return self.study.name
+    name = reported_from("study.name", meaning="of the study")
 
-    @reported(meaning="what it starts from")
-    def about(self) -> str:
-        """Name of what it starts from."""
-        return self.subject.name
+    about = reported_from("subject.name", meaning="what it starts from")
 
-    @reported(meaning="the model that searched", key="tier")
-    def model(self) -> str | None:
-        """The model that searched."""
-        return self.rows.question.model
+    model = reported_from("rows.question.model", meaning="the model that searched", key="tier")
 
-    @reported(meaning="the model that has the last word")
-    def judge(self) -> str:
-        """The model that has the last word."""
-        return self.study.judge
+    judge = reported_from("study.judge", meaning="the model that has the last word")
 
     _seconds = total_seconds
 

@@ -18,7 +18,7 @@ from typing import Any, Literal
 
 from skincad.base.errors import InputError, require_number
 from skincad.base.progress import Tick
-from skincad.base.result import Result, data_frame, item, record, reported
+from skincad.base.result import Result, data_frame, item, record, reported, reported_from
 from skincad.inputs.design import Design
 from skincad.mechanics.models.table import MODELS, unsupported_reason, whole_price
 from skincad.mechanics.verdict import NextModel
@@ -167,10 +167,7 @@ class SweepResult(Result):
     reused: int = item(meaning="that a log or another row had")
     seconds: float  # wall time of this run
 
-    @reported(meaning="of the subject")
-    def name(self) -> str:
-        """The subject's name."""
-        return self.subject.name
+    name = reported_from("subject.name", meaning="of the subject")
 
     @property
     def refused(self) -> int:
@@ -233,10 +230,7 @@ class SweepResult(Result):
         """Ties of the first ranking."""
         return self.rankings[0].ties if self.rankings else ()
 
-    @reported(meaning="the model of all checks", key="tier")
-    def model(self) -> str | None:
-        """The model of all checks."""
-        return self.question.model
+    model = reported_from("question.model", meaning="the model of all checks", key="tier")
 
     _seconds = total_seconds
 

@@ -20,7 +20,7 @@ import numpy as np
 from skincad.base.errors import InputError, RefusedError, require_number
 from skincad.base.estimate import Estimate
 from skincad.base.progress import Progress
-from skincad.base.result import Record, Result, item, record, reported
+from skincad.base.result import Record, Result, item, record, reported, reported_from
 from skincad.fabrication.films import FilmOffers, film_offers
 from skincad.fabrication.job import Job
 from skincad.inputs.catalog import Own
@@ -124,10 +124,7 @@ class WishResult(Result):
     )
     seconds: dict[str, float] = item(meaning="wall time, s")
 
-    @reported(meaning="of the design")
-    def name(self) -> str:
-        """The design's name."""
-        return self.design.name
+    name = reported_from("design.name", meaning="of the design")
 
     @reported(meaning="whether the design passes its check and meets every wish")
     def passed(self) -> bool:

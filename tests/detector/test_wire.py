@@ -73,7 +73,7 @@ def test_bytes_cut_anywhere_give_the_same(size: int, end: str) -> None:
         assert [lost for block in blocks for lost in block.lost] == [(3, 200)]
         assert sum(block.gap for block in blocks) == 640
     assert whole.alarms == pieces.alarms
-    assert [(alarm.kind, alarm.ridge, alarm.sample) for alarm in whole.alarms] == [
+    assert [(alarm.kind, alarm.ridge, alarm.index) for alarm in whole.alarms] == [
         ("gross slip ahead", None, 230)
     ]
 

@@ -23,7 +23,6 @@ from skincad.scenes import (
     Carried,
     Carrier,
     Ears,
-    Felt,
     Force,
     Grip,
     LiftRun,
@@ -390,12 +389,10 @@ def test_the_upper_bound_asks_for_a_load_before_it_comes() -> None:
     """Of a load that jumps to 1.2 N and falls again: 1.1 / friction of the largest within 30 samples."""
     load = np.where((np.arange(200) >= 100) & (np.arange(200) < 120), 1.2, 0.6)
     policy = Force(0.6, 0.5, load, 30)
-    asked = np.concatenate(
-        [policy.wanted(Felt(np.zeros((n, 0, 2)), np.zeros(n), 0.5)) for n in (1, 99, 7, 93)]
-    )
+    asked = np.concatenate([policy.wanted(np.zeros((n, 0, 2)), 0.5, n) for n in (1, 99, 7, 93)])
     there = (np.arange(200) >= 70) & (np.arange(200) < 120)
     assert asked == pytest.approx(np.where(there, 2.2, 1.1))
-    assert Force(0.6, 3.0, load, 30).wanted(Felt(np.zeros((200, 0, 2)), np.zeros(200), 0.5)).min() == 3.0
+    assert Force(0.6, 3.0, load, 30).wanted(np.zeros((200, 0, 2)), 0.5, 200).min() == 3.0
 
 
 LOADED = ("grip.close=0.06", "grip.load_time_s=[0.0, 0.1, 0.15, 0.2]", "grip.load_N=[0.0, 0.3, 0.6, 0.6]")

@@ -8,12 +8,8 @@ import pytest
 import skincad
 from skincad.scenes import load_scene
 from skincad.scenes.ears import bandwidth, ears_of
-from skincad.scenes.grip import HARDER, LESS, PAUSE, Felt, Raising, alarmed, fallen
+from skincad.scenes.grip import HARDER, LESS, PAUSE, Raising, alarmed, fallen
 from skincad.scenes.lift import tuning_of
-
-
-def felt(outputs: np.ndarray, grip: float) -> Felt:
-    return Felt(outputs, np.zeros(outputs.shape[0]), grip)
 
 
 @pytest.mark.parametrize("block", [1, 7, 100])
@@ -26,7 +22,7 @@ def test_a_policy_raises_at_alarms_and_pauses(block: int) -> None:
     asked, grip = [], 2.0
     for begin in range(0, 100, block):
         rows = told[begin : begin + block, None, None] * np.ones((1, 1, 2))
-        asked += policy.wanted(felt(rows, grip)).tolist()
+        asked += policy.wanted(rows, grip, len(rows)).tolist()
         grip = asked[-1]
     assert policy.alarms == [20, 45, 90]
     assert asked[19] == 2.0

@@ -199,7 +199,7 @@ def newton(
             state, slipping = limit.last, limit
         return contact_load(pad, state), (state, slipping)
 
-    end = equilibrium(
+    values, (found, slipping), _, history, _ = equilibrium(
         body,
         values,
         pad.tangents[0] if pad.tangents else None,
@@ -209,13 +209,12 @@ def newton(
         steps=steps,
         accuracy=accuracy,
     )
-    found, slipping = end.solution
     state = FrictionalState(
-        values=end.values,
-        contact=replace(found, residual=max(found.residual, end.history[-1])),
+        values=values,
+        contact=replace(found, residual=max(found.residual, history[-1])),
         dissipated=dissipated(before.contact, found),
-        residual=end.history[-1],
-        iterations=len(end.history),
+        residual=history[-1],
+        iterations=len(history),
     )
     if slipping is not None:
         raise GrossSlip(state, str(slipping))

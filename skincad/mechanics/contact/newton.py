@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -82,18 +82,6 @@ class PressedState:
     tangent: PadTangent
 
 
-class Equilibrium(NamedTuple):
-    """The unknowns `values` `(n,)`, the contact problem's `solution`, what the body alone leaves `unbalanced`
-    `(n,)`, the residual of each step relative to the contact forces' norm, and the last `tangent`, at a state
-    nearby."""
-
-    values: Array
-    solution: Any
-    unbalanced: Array
-    history: tuple[float, ...]
-    tangent: Any
-
-
 def equilibrium(
     body: Body,
     start: Array,
@@ -104,9 +92,11 @@ def equilibrium(
     keeps: Callable[[Any, list[float]], bool],
     steps: int,
     accuracy: float = RESIDUAL,
-) -> Equilibrium:
-    """Return the equilibrium of a body and its contact near `start` `(n,)`. The first of at most so many
-    `steps` takes a `tangent` from another state, unless it is None.
+) -> tuple[Array, Any, Array, tuple[float, ...], Any]:
+    """Return the equilibrium of a body and its contact near `start` `(n,)`: its unknowns, the contact's
+    solution, what the body alone leaves unbalanced `(n,)`, the residual of each step relative to the contact
+    forces' norm, and the last tangent, at a state nearby. The first of at most so many `steps` takes a
+    `tangent` from another state, unless it is None.
 
     In each step the body alone is linearised. `tangent_at` does it at values whose residual is at hand, at a
     known distance from balance; what it returns has the linearised body as `linear`. `contact` takes that
@@ -134,7 +124,7 @@ def equilibrium(
         falls = RESIDUAL < history[-1] < FALLING * max(history[-2:]) and len(history) < steps
         rounded = history[-1] <= ROUNDING / scale and not falls
         if share == 1.0 and (history[-1] <= accuracy or rounded):
-            return Equilibrium(values, solution, unbalanced, tuple(history), tangent)
+            return values, solution, unbalanced, tuple(history), tangent
         if len(history) > 1 and history[-1] > MAX_GROWTH * max(history[-2], 1e-3):
             break
         if share < 1.0 or not keeps(tangent, history):

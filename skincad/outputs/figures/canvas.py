@@ -58,27 +58,10 @@ from matplotlib.transforms import Affine2D  # noqa: E402
 from matplotlib.tri import Triangulation  # noqa: E402
 
 __all__ = [  # of matplotlib, for the figures
-    "Affine2D",
-    "Axes",
-    "Curve",
-    "EllipseCollection",
-    "Figure",
-    "FixedLocator",
-    "Line2D",
-    "ListedColormap",
-    "LogLocator",
-    "MaxNLocator",
-    "Normalize",
-    "NullFormatter",
-    "NullLocator",
-    "Patch",
-    "PathCollection",
-    "PolyCollection",
-    "ScalarMappable",
-    "Triangulation",
-    "colormaps",
-    "to_rgb",
-]
+    "Affine2D", "Axes", "Curve", "EllipseCollection", "Figure", "FixedLocator", "Line2D",
+    "ListedColormap", "LogLocator", "MaxNLocator", "Normalize", "NullFormatter", "NullLocator", "Patch",
+    "PathCollection", "PolyCollection", "ScalarMappable", "Triangulation", "colormaps", "to_rgb",
+]  # fmt: skip
 # Distinct for colour-blind people: Okabe and Ito, Color Universal Design, 2008; vermilion a little darker,
 # for thin lines on white
 BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE, BLACK = (
