@@ -294,7 +294,7 @@ def paper_plot(path: Path) -> None:
 
     def signals(march: March | None) -> Array:
         assert march is not None
-        values = differential(run.on.piece, scene, march)[MONITORED]
+        values = differential(scene, march)[MONITORED]
         signal = shown_signal(march.time, values, scene.readout.bandwidth_Hz)
         return np.array([signal.rate, signal.jerk])[:, : run.runs.march.time.size]
 

@@ -40,6 +40,7 @@ from skincad.inputs.design import Design
 from skincad.shape import curves
 from skincad.shape.curves import polygon
 from skincad.solids.bent import gap_beside
+from skincad.solids.kind import kind_of
 from skincad.solids.layout import end_angle
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import (
@@ -132,7 +133,7 @@ def open_trough(closed: ClosedMold) -> Void:
 
 def _gap(design: Design, carrier: Body) -> list[Prism]:
     gap = design.mold.clearance
-    if gap == 0.0 or design.skin.round or not isinstance(carrier, Prism):
+    if gap == 0.0 or not (kind_of(design).ends and isinstance(carrier, Prism)):
         return []  # a round carrier lies on its ledge all round
     if carrier.axis == "x":
         return gap_beside(carrier, gap)
@@ -449,7 +450,7 @@ def filling_findings(job: Job) -> list[Finding]:
 
 def _bent_findings(job: Job) -> list[Finding]:
     """Both ends of a doubly curved skin rise, by the angle that they lean. What stays at an end is judged on
-    the straight mold of the section at that end's slope: a pocket is short against curvature_radius_y. It has
+    the straight mold of the section at that end's slope: a pocket is short against the radius. It has
     one layer and no bone: what ridges trap is in front, and a plug leads air along as the carrier does."""
     bare = dict.fromkeys(("bone", "bone_at", "bone_turn", "bone_bond"))
     straight = Job(job.design.with_(skin={"curvature_radius_y": None}, shot=None, mold=bare))

@@ -212,7 +212,7 @@ def undercut_findings(job: Job) -> list[Finding]:
 
 def _cure(job: Job) -> str:
     root, tip = freeing_widths(job)
-    ridges, name = job.skin.symmetry == "extruded", job.skin.family
+    ridges, name = job.skin.form.parting == "flanks", job.skin.family
     root_key, tip_key = job.design.features.widths
     ways = [
         *([f"{root_key} of {root:g} mm"] if root else []),

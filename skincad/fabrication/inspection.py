@@ -28,7 +28,6 @@ from skincad.fabrication.patterns import strip_patterns
 from skincad.fabrication.pouring import pours
 from skincad.fabrication.rules import walls_close
 from skincad.fabrication.strips import PVDF_DENSITY
-from skincad.inputs.design import Design
 from skincad.shape.crests import crest_column, crest_places
 from skincad.shape.curves import area, length, polygon, right_half
 from skincad.shape.skin import Skin
@@ -78,38 +77,28 @@ def _measures(job: Job, crests: Crests) -> list[Measure]:
     body = known[job.design.mold.process]
     end = known[job.design.mold.end_plate_process or job.design.mold.process]
     mean, place = math.fsum(crests.heights) / len(crests.heights), "the flat back"
+    lengthwise, long = f"length along {skin.form.way}", base.length
     if job.bent:
         place = "the back, in the middle of its length"
+        lengthwise = "length of the back, straight from end to end"
+        long = 2 * (base.back_radius * math.sin(base.length / 2 / base.radius_y))
     what, them = ("face", "places") if skin.bare else ("crest", "crests")
     what, how = f"mean {what} over {place}", f"mean of the {them} as measured: the thickness"
     rows = [Measure(what, mean, mean - crests.mean, mean + crests.mean, "mm", how)]
-    if skin.count > 1 and skin.symmetry == "extruded":
+    if skin.count > 1 and skin.form.along:
         spans = skin.count - 1
         how = f"the line's rise from crest 1 to crest {skin.count}"
         rows.append(Measure("tilt of the crests", 0.0, -crests.rise, crests.rise, "mm", how))
         how = f"microscope, from crest 1 to crest {skin.count}" + (f", by {spans}" if spans > 1 else "")
         tool = MICROSCOPE * math.sqrt(2) / spans
         rows.append(_size("mean pitch", skin.pitch, 2 * body.tolerance / spans, tool, crests, how))
-    if base.round:
-        wide, how = base.width - 2 * walls_close(job, body), "callipers, lightly, twice square to each other"
-        size = _size("diameter of the back", wide, 2 * body.tolerance, CALLIPERS, crests, how)
-        return [*rows, size, _mass(job, crests)]
-    what, end_to_end = _length(job.design)
-    how = "callipers, lightly"
-    near = walls_close(job, body)
-    wide, long = base.width - 2 * near, end_to_end + 2 * near
-    rows.append(_size("width across the back", wide, 2 * body.tolerance, CALLIPERS, crests, how))
-    rows.append(_size(what, long, 2 * end.tolerance, CALLIPERS, crests, how))
+    how, near = "callipers, lightly", walls_close(job, body)
+    sizes = [("width across the back", base.width - 2 * near, body), (lengthwise, long + 2 * near, end)]
+    if not job.ends:
+        sizes = [("diameter of the back", base.width - 2 * near, body)]
+        how += ", twice square to each other"
+    rows += [_size(name, size, 2 * by.tolerance, CALLIPERS, crests, how) for name, size, by in sizes]
     return [*rows, _mass(job, crests)]
-
-
-def _length(design: Design) -> tuple[str, float]:
-    """What is measured of the length, and its value: with a second curvature a chord."""
-    radius, skin = design.skin.curvature_radius_y, design.skin
-    if radius is None:
-        return "length along the ridges" if design.ridge else "length along y", skin.length
-    half = (radius - skin.thickness) * math.sin(skin.length / 2 / radius)
-    return "length of the back, straight from end to end", 2 * half
 
 
 def _size(what: str, nominal: float, mold: float, tool: float, crests: Crests, how: str) -> Measure:
@@ -152,7 +141,7 @@ def _extra_volume(job: Job) -> float:
     """
     near = walls_close(job, job.cavity_process)
     skin, shape = job.design.skin, job.section
-    if skin.round:
+    if not job.ends:
         points = polygon(right_half(shape.outline), MICROSCOPE)
         steps = np.roll(points, -1, axis=0) - points
         face = math.pi * float(np.hypot(*steps.T) @ (points[:, 0] + np.roll(points[:, 0], -1)))

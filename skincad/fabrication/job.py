@@ -18,6 +18,7 @@ from skincad.solids.bone import Bone, bone_of
 from skincad.solids.cavity import parts_at_tips, split_ridges
 from skincad.solids.ends import gate
 from skincad.solids.inserts import lead_length
+from skincad.solids.kind import kind_of
 from skincad.solids.layout import Fits, Layout, end_angle, fits, is_clamped, layout
 from skincad.solids.lids import bone_screws
 from skincad.solids.mold import ClosedMold, mold
@@ -53,7 +54,7 @@ class Job:
     @property
     def bent(self) -> bool:
         """Whether the skin is curved along y too."""
-        return self.design.skin.curvature_radius_y is not None
+        return kind_of(self.design).leans
 
     @property
     def rise(self) -> float:
@@ -68,7 +69,7 @@ class Job:
     @property
     def holes(self) -> bool:
         """Whether pins are cast: the cavity has holes."""
-        return self.skin.symmetry == "revolved"
+        return bool(self.skin.standing)
 
     @property
     def blind(self) -> bool:

@@ -34,9 +34,9 @@ from skincad.fabrication.rules import (
     walls_close,
 )
 from skincad.inputs.process import Process
+from skincad.inputs.skin_tables import RADIUS_Y
 from skincad.shape.curves import Loop, Segment, polygon
 from skincad.solids.cavity import parts_at_tips
-from skincad.solids.layout import end_angle
 from skincad.solids.mold import mold
 from skincad.solids.pins import hole_block
 from skincad.solids.plan import (
@@ -426,12 +426,11 @@ def _straight_cut(case: Case) -> Iterator[Finding]:
         )
         where = f"{case.part.role.label}, by a lathe, which does not make it"
         yield error("tool reach", where, 1.0, 0.0, "", remedy)
-    if case.process.tool == "wire" and case.part.straight and case.job.design.skin.round:
+    if case.process.tool == "wire" and case.part.straight and not case.job.bent:
         where, remedy = "a trough that turns, which a wire does not cut", "mill, sink-erode or print it"
         yield error("tool reach", f"{case.part.role.label}, {where}", 1.0, 0.0, "", remedy)
     elif case.process.tool == "wire" and case.part.straight:
-        angle = math.degrees(2 * end_angle(case.job.design))
-        remedy = "mill, sink-erode or print it, or drop skin.curvature_radius_y"
+        angle, remedy = 2 * case.job.rise, f"mill, sink-erode or print it, or drop {RADIUS_Y}"
         yield case.breaks("tool reach", "bent along y", angle, 0.0, "deg end to end", remedy)
     skin = case.job.skin
     if case.process.tool == "wire" and case.part.role in CAVITIES and case.job.holes:

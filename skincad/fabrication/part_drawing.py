@@ -394,15 +394,15 @@ def _groove_table(
     skin: Skin, carved: tuple[Groove, ...], seen: dict[str, Projection], part: Part, drops: tuple[float, ...]
 ) -> DrawingTable:
     x_of, _ = _coordinates(seen, FRONT, part)
-    rings, middle, rows = skin.symmetry == "concentric", x_of(0.0), list[tuple[str, ...]]()
+    place, rows = skin.form.across, list[tuple[str, ...]]()
+    start = x_of(0.0) if place == "radius" else 0.0
     for groove in carved[:MOST_ROWS]:
         x, z = groove.bottom
-        across = number(x_of(x) - (middle if rings else 0.0))
+        across = number(x_of(x) - start)
         row = [str(groove.ridge), across, number(-z), _degrees(groove.lean)]
         if drops:
             allowed = drops[groove.ridge - 1]
             row.append("free" if math.isinf(allowed) else f"0/-{allowed:.4f}")
         rows.append(tuple(row))
-    place = "radius" if rings else "x"
     heads = (skin.family, place, "below seat", "leaning", "depth tolerance")[: 5 if drops else 4]
     return DrawingTable(f"Grooves of the {skin.family}s: deepest point; {LEANING}", heads, tuple(rows))

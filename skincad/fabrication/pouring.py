@@ -232,7 +232,7 @@ class Filling:
 def filling(job: Job) -> Filling:
     """Return how long filling takes, and how hard it is."""
     level, groove = front_time(job), groove_time(job)
-    brushed = job.skin.closed or groove / LAG > max(level, 60 * MOST_MINUTES)
+    brushed = job.skin.form.closed or groove / LAG > max(level, 60 * MOST_MINUTES)
     seconds = max(level, 0.0 if brushed else groove / LAG, job.design.mold.fill_time)
     if job.gate is None:
         return Filling(_rounded(seconds), 0, 0, 0.0, brushed)
@@ -350,7 +350,7 @@ def brushed_holes(job: Job, layer: LayerPour) -> bool:
 def open_back(job: Job) -> bool:
     """Whether the trough stands open when the first mix comes in, or its holes or rings are brushed full, so
     that a vacuum draws their air."""
-    return job.gate is None or job.skin.closed
+    return job.gate is None or job.skin.form.closed
 
 
 def _brushing(job: Job) -> float:

@@ -147,7 +147,7 @@ class Design(Document):
         then, and what is in them is known."""
         pocket = None if self.pin is None else self.pin.pocket
         known = pocket is not None and pocket.magnet is not None and not pocket.offset
-        return known and self.skin.curvature_radius_y is None
+        return known and math.isinf(self.skin.radius_y)
 
     @property
     def spacing(self) -> float:

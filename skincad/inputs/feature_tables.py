@@ -106,11 +106,8 @@ class Ridge(Table):
     @model_validator(mode="after")
     def _pitched(self) -> Self:
         if self.pitch is None and self.count > 1:
-            raise InputError(
-                "pitch",
-                "is missing",
-                remedy=f"give {self.family}.pitch a value; only one {self.family} needs none",
-            )
+            remedy = f"give {self.family}.pitch a value; only one {self.family} needs none"
+            raise InputError("pitch", "is missing", remedy=remedy)
         return self
 
     @model_validator(mode="after")
@@ -118,9 +115,8 @@ class Ridge(Table):
         _check_heights(self, self.family)
         if self.heights is not None and len(self.heights) != self.count:
             rule = f"must be {self.count} values, one a {self.family} ({self.family}.count)"
-            raise InputError(
-                "heights", rule, len(self.heights), f"give as many, or {self.family}.height for all"
-            )
+            remedy = f"give as many, or {self.family}.height for all"
+            raise InputError("heights", rule, len(self.heights), remedy)
         return self
 
 
@@ -373,9 +369,8 @@ class Flat(Table):
     @model_validator(mode="after")
     def _pitched(self) -> Self:
         if self.pitch is None and self.columns * self.rows > 1:
-            raise InputError(
-                "pitch", "is missing", remedy="give flat.pitch a value; only one pocket needs none"
-            )
+            remedy = "give flat.pitch a value; only one pocket needs none"
+            raise InputError("pitch", "is missing", remedy=remedy)
         return self
 
 
@@ -419,9 +414,8 @@ def places(skin: Base, features: Features) -> tuple[Place, ...]:
         return _square(features.columns, features.rows, features.pitch or 0.0)
     found = _pins(skin, features)
     if not 0 < len(found) <= MOST_PINS:
-        key = (
-            "margin" if features.margin is not None else "rings" if features.pattern == "polar" else "columns"
-        )
+        counted = "rings" if features.pattern == "polar" else "columns"
+        key = counted if features.margin is None else "margin"
         rule = f"must give from 1 to {MOST_PINS} pins, and gives {len(found)}"
         raise InputError(f"pin.{key}", rule, getattr(features, key), "change it, or pin.pitch")
     return found
@@ -434,7 +428,7 @@ def _pins(skin: Base, pin: Pin) -> tuple[Place, ...]:
         if polar:
             return _polar(pin.rings or 0, pin.pitch)
         return _square(*count, pin.pitch) if pin.pattern == "square" else _hexagonal(*count, pin.pitch)
-    half_u, half_v = (half - pin.margin - pin.foot + _SAME for half in half_arcs(skin))
+    half_u, half_v = (half - pin.margin - pin.foot + _SAME for half in skin.half_arcs)
     if min(half_u, half_v) < 0:
         return ()
     step = pin.pitch * (_ROW if pin.pattern == "hex" else 1.0)
@@ -452,12 +446,6 @@ def _pins(skin: Base, pin: Pin) -> tuple[Place, ...]:
 
 _ROW = math.sqrt(3) / 2  # of the pitch, between two rows of a hexagonal pattern
 _SAME = 1e-9  # of a length: as far as that
-
-
-def half_arcs(skin: Base) -> tuple[float, float]:
-    """Return the arcs from the skin's middle to its edges along x and y, mm."""
-    half = skin.curvature_radius * math.asin(min(1.0, skin.width / (2 * skin.curvature_radius)))
-    return (half, half) if skin.round else (half, skin.length / 2)
 
 
 def _square(columns: int, rows: int, pitch: float) -> tuple[Place, ...]:
@@ -493,6 +481,11 @@ def lean(skin: Base, features: Features, number: int) -> float:
     return places(skin, features)[number - 1].u / skin.curvature_radius
 
 
+def _half_sine(angle: float) -> float:
+    """The squared sine of half an angle in rad."""
+    return math.sin(angle / 2) ** 2
+
+
 @lru_cache(maxsize=32)
 def heights(skin: Base, features: Features) -> tuple[float, ...]:
     """Return each feature's height in mm, base to summit, feature 1 first; 0 of a flat skin.
@@ -511,12 +504,9 @@ def heights(skin: Base, features: Features) -> tuple[float, ...]:
     height = features.height or 0.0  # given where heights are not
     if not features.levelling:
         return (height,) * len(where)
-    radius, along = skin.curvature_radius, skin.curvature_radius_y
-    falls = []
-    for at in where:
-        s = math.sin(skin.arm(at.u, at.v) / radius / 2) ** 2
-        falls.append((s, 0.0 if along is None else math.sin(at.v / along / 2) ** 2))
-    if along is None:
+    radius, along = skin.curvature_radius, skin.radius_y
+    falls = [(_half_sine(skin.arm(at.u, at.v) / radius), _half_sine(at.v / along)) for at in where]
+    if math.isinf(along):
         least = min(s for s, _ in falls)
         far = 2 * (radius + height) * features.levelling
         return tuple(height + far * (s - least) / (1 - 2 * s) for s, _ in falls)

@@ -14,7 +14,6 @@ from skincad.inputs.feature_tables import (
     Pin,
     Pocket,
     Ring,
-    half_arcs,
     places,
 )
 from skincad.inputs.gripper import Gripper, check_grippers, gripper_named
@@ -63,67 +62,39 @@ def silicones(material: Material, own: Mapping[str, Silicone]) -> Iterator[Input
 def features_on_skin(skin: Base, features: Features) -> Iterator[InputError]:
     """Yield what keeps the skin from being a fan of less than `FAN_LIMIT_DEG` that bears all its features."""
     if skin.width >= 2 * skin.curvature_radius:
-        yield InputError(
-            "skin.width",
-            f"must be less than {2 * skin.curvature_radius:g} mm (twice skin.curvature_radius)",
-            skin.width,
-        )
+        rule = f"must be less than {2 * skin.curvature_radius:g} mm (twice skin.curvature_radius)"
+        yield InputError("skin.width", rule, skin.width)
         return  # nothing below has a meaning then
     side = math.asin(skin.width / (2 * skin.curvature_radius))
     if math.degrees(2 * side) >= FAN_LIMIT_DEG:
         widest = 2 * skin.curvature_radius * math.sin(math.radians(FAN_LIMIT_DEG / 2))
-        yield InputError(
-            "skin.width",
-            f"the fan from side to side must stay below {FAN_LIMIT_DEG:g} degrees, so below {widest:.4g} mm",
-            skin.width,
-            "make the skin narrower or curvature_radius larger",
-        )
+        rule = f"the fan from side to side must stay below {FAN_LIMIT_DEG:g} degrees, so below "
+        remedy = "make the skin narrower or curvature_radius larger"
+        yield InputError("skin.width", f"{rule}{widest:.4g} mm", skin.width, remedy)
     sag = 2 * skin.curvature_radius * math.sin(side / 2) ** 2
     if sag > 0.8 * skin.thickness:
-        yield InputError(
-            "skin.thickness",
-            f"must be above {sag / 0.8:.4g} mm, or too little is left at the sides (the base circle "
-            f"falls by {sag:.4g} mm)",
-            skin.thickness,
-        )
+        rule = f"must be above {sag / 0.8:.4g} mm, or too little is left at the sides (the base circle "
+        yield InputError("skin.thickness", f"{rule}falls by {sag:.4g} mm)", skin.thickness)
     if isinstance(features, Flat):
         return
     if isinstance(features, Pin):
         yield from _pins_on_skin(skin, features)
         return
     half_root = features.root_width / 2 + features.root_fillet
-    furthest = max(abs(at.u) for at in places(skin, features))
-    reach = (furthest + half_root) / skin.curvature_radius
+    furthest, room = max(abs(at.u) for at in places(skin, features)), side * skin.curvature_radius - half_root
     if isinstance(features, Ring):
-        if reach >= side:
-            most = max(
-                0,
-                math.floor(
-                    (side * skin.curvature_radius - half_root - features.first_radius) / features.spacing
-                )
-                + 1,
-            )
-            rule = f"at most {most} rings of this pitch and root fit on skin.width"
-            yield InputError("ring.count", rule, features.count, "take fewer rings, or a larger skin")
-        if half_root > features.first_radius:
-            rule = f"must be at least {half_root:.4g} mm, or ring 1 closes over its middle"
-            yield InputError(
-                "ring.radius", rule, features.first_radius, "enlarge it, or narrow ring.root_width"
-            )
-        return
-    if reach >= side:
-        more = (
-            2 * (side * skin.curvature_radius - half_root) / features.spacing
-        )  # infinite where there is no pitch
-        most = max(0, math.ceil(min(more, MOST_RIDGES)))
-        yield InputError(
-            f"{features.family}.count",
-            f"at most {most} {features.family}s of this pitch and root fit on skin.width",
-            features.count,
-            f"take fewer {features.family}s, a smaller pitch or a wider skin"
-            if most
-            else "take a wider skin or a smaller root",
-        )
+        most = math.floor(min((room - features.first_radius) / features.spacing, MOST_RIDGES)) + 1
+        remedy = "take fewer rings, or a larger skin"
+    else:
+        most = math.ceil(min(2 * room / features.spacing, MOST_RIDGES))  # infinite where there is no pitch
+        remedy = "take fewer ridges, a smaller pitch or a wider skin"
+        remedy = remedy if most > 0 else "take a wider skin or a smaller root"
+    if (furthest + half_root) / skin.curvature_radius >= side:
+        rule = f"at most {max(0, most)} {features.family}s of this pitch and root fit on skin.width"
+        yield InputError(f"{features.family}.count", rule, features.count, remedy)
+    if isinstance(features, Ring) and half_root > features.first_radius:
+        rule = f"must be at least {half_root:.4g} mm, or ring 1 closes over its middle"
+        yield InputError("ring.radius", rule, features.first_radius, "enlarge it, or narrow ring.root_width")
 
 
 def _pins_on_skin(skin: Base, pin: Pin) -> Iterator[InputError]:
@@ -133,10 +104,8 @@ def _pins_on_skin(skin: Base, pin: Pin) -> Iterator[InputError]:
     except InputError as broken:
         yield broken
         return
-    half_u, half_v = half_arcs(skin)
-    most_u, most_v = (max(abs(at[axis]) for at in where) + pin.foot for axis in (0, 1))
-    far = max(math.hypot(at.u, at.v) for at in where) + pin.foot
-    over = far - half_u if skin.round else max(most_u - half_u, most_v - half_v)
+    half_u, half_v = skin.half_arcs
+    over = max(max(skin.arm(at.u, at.v) - half_u, abs(at.v) - half_v) for at in where) + pin.foot
     if over > _EDGE:
         remedy = "take fewer pins, a smaller pin.pitch or a larger skin"
         yield InputError("pin.pitch", f"puts pins {over:.4g} mm over the skin's edge", pin.pitch, remedy)
@@ -151,6 +120,10 @@ def _pins_on_skin(skin: Base, pin: Pin) -> Iterator[InputError]:
         yield InputError("pin.heights", rule, len(pin.heights), "give as many, or pin.height for all")
 
 
+OUTLINES = {  # that a family needs, and what to do for it
+    "ridge": ("rectangle", 'take outline = "rectangle", or [ring]'),
+    "ring": ("round", 'give skin.outline = "round"'),
+}
 _EDGE = 1e-9  # mm, by which a pin's foot may stand over the edge: rounding
 
 
@@ -160,23 +133,18 @@ def family(skin: Base, features: Features, slot: Slot | None) -> Iterator[InputE
     name = features.family
     if slot is not None and name != "ridge":
         yield InputError("slot", f"needs ridges, and [{name}] has none", remedy="drop [slot] and [film]")
-    if isinstance(features, Ring) and not skin.round:
-        yield InputError(
-            "skin.outline", "must be 'round' for rings", skin.outline, 'give skin.outline = "round"'
-        )
+    outline = skin.outline or "rectangle"
+    needed, remedy = OUTLINES.get(name, (outline, ""))
+    if needed != outline:
+        yield InputError("skin.outline", f"must be '{needed}' for {name}s", skin.outline, remedy)
     if skin.round:
-        if name == "ridge":
-            remedy = 'take outline = "rectangle", or [ring]'
-            yield InputError("skin.outline", "must be 'rectangle' for ridges", skin.outline, remedy)
         if skin.length != skin.width:
             rule = f"must be skin.width, {skin.width:g} mm, of a round skin"
             yield InputError("skin.length", rule, skin.length, "leave it out")
-        if skin.curvature_radius_y is not None:
-            rule = "must not be given for a round skin, which curvature_radius curves all round"
-            yield InputError("skin.curvature_radius_y", rule, skin.curvature_radius_y, "leave it out")
-    pocket = features.pocket
-    if pocket is not None:
-        yield from _pockets(skin, features, pocket)
+        rule = "must not be given for a round skin, which curvature_radius curves all round"
+        yield from skin.refused_radius_y(rule)
+    if features.pocket is not None:
+        yield from _pockets(skin, features, features.pocket)
 
 
 LEAST_POCKET_WALL = 0.3  # mm, assumption: silicone over or beside a pocket that a magnet does not tear
@@ -185,7 +153,7 @@ LEAST_POCKET_WALL = 0.3  # mm, assumption: silicone over or beside a pocket that
 def _pockets(skin: Base, features: Features, pocket: Pocket) -> Iterator[InputError]:
     """Yield pockets that come too near to the face or to each other, or leave the base."""
     where, key = places(skin, features), f"{features.family}.pocket"
-    half_u, half_v = half_arcs(skin)
+    half_u, half_v = skin.half_arcs
     radius, height = pocket.diameter / 2, 0.0
     if isinstance(features, Pin):
         height = min(features.heights or (features.height or 0.0,))
@@ -197,14 +165,8 @@ def _pockets(skin: Base, features: Features, pocket: Pocket) -> Iterator[InputEr
         rule = f"must be at most {max(most, 0.0):.4g} mm, to stay {LEAST_POCKET_WALL:g} mm below the face"
         remedy = "make it shallower or narrower, or the skin thicker"
         yield InputError(f"{key}.depth", rule, pocket.depth, remedy)
-    spacing = (
-        features.spacing
-        if isinstance(features, Pin)
-        else features.pitch
-        if isinstance(features, Flat)
-        else None
-    )
-    if len(where) > 1 and spacing is not None and spacing < pocket.diameter + LEAST_POCKET_WALL:
+    spacing = features.pitch or math.inf  # infinite of a single one
+    if len(where) > 1 and spacing < pocket.diameter + LEAST_POCKET_WALL:
         rule = f"must be at most {spacing - LEAST_POCKET_WALL:.4g} mm, or the wall to the next is too thin"
         yield InputError(f"{key}.diameter", rule, pocket.diameter, "make it narrower, or the pitch larger")
     over = (
@@ -248,9 +210,8 @@ def magnets(skin: Base, features: Features, sensors: Magnetometer | None) -> Ite
     if pocket.offset:
         rule = "must be 0 beside [magnetometer]: a magnet's way is known on its pin's axis"
         yield InputError("pin.pocket.offset", rule, pocket.offset, "leave it out")
-    if skin.curvature_radius_y is not None:
-        rule = "must not be given with [magnetometer], whose sensors lie under a flat back"
-        yield InputError("skin.curvature_radius_y", rule, skin.curvature_radius_y, "leave one of them out")
+    rule = "must not be given with [magnetometer], whose sensors lie under a flat back"
+    yield from skin.refused_radius_y(rule, "leave one of them out")
     many = len(places(skin, features))
     if many * (len(sensors.places) if sensors.places else many) > MOST_READ:
         rule = f"must be at most {MOST_READ} pairs of a sensor and a magnet"
@@ -259,32 +220,20 @@ def magnets(skin: Base, features: Features, sensors: Magnetometer | None) -> Ite
 
 def _sink(skin: Base, u: float, v: float, reach: float) -> float:
     """By how much the base lies lower than in the skin's middle, mm, `reach` mm further out than (u, v)."""
-    radius, along = skin.curvature_radius, skin.curvature_radius_y
-    fall = 2 * radius * math.sin((skin.arm(u, v) + reach) / radius / 2) ** 2
-    return fall + (0.0 if along is None else 2 * along * math.sin((abs(v) + reach) / along / 2) ** 2)
+    arcs = (skin.arm(u, v), skin.curvature_radius), (abs(v), skin.radius_y)
+    return math.fsum(2 * r * math.sin((arc + reach) / r / 2) ** 2 for arc, r in arcs if math.isfinite(r))
 
 
 def revolved(skin: Base) -> Iterator[InputError]:
     """Yield a section too near the axis that it turns about, and a turn of the fan's limit or more."""
-    radius = skin.curvature_radius_y
-    if radius is None:
-        return
-    least = skin.thickness / (1 - CORE_SHARE)
-    if radius < least:
-        yield InputError(
-            "skin.curvature_radius_y",
-            f"must be at least {least:.4g} mm, or the back at skin.thickness below comes too near its axis",
-            radius,
-            "make the skin thinner or the radius larger",
-        )
-    longest = radius * math.radians(FAN_LIMIT_DEG)
+    least, longest = skin.thickness / (1 - CORE_SHARE), skin.radius_y * math.radians(FAN_LIMIT_DEG)
+    if skin.radius_y < least:
+        rule = f"must be at least {least:.4g} mm, or the back at skin.thickness below comes too near its axis"
+        yield from skin.refused_radius_y(rule, "make the skin thinner or the radius larger")
     if skin.length >= longest:
-        yield InputError(
-            "skin.length",
-            f"the fan from end to end must stay below {FAN_LIMIT_DEG:g} degrees, so below {longest:.4g} mm",
-            skin.length,
-            "make the skin shorter or curvature_radius_y larger",
-        )
+        rule = f"the fan from end to end must stay below {FAN_LIMIT_DEG:g} degrees, so below {longest:.4g} mm"
+        remedy = "make the skin shorter or curvature_radius_y larger"
+        yield InputError("skin.length", rule, skin.length, remedy)
 
 
 def profile(features: Features) -> Iterator[InputError]:
@@ -294,9 +243,8 @@ def profile(features: Features) -> Iterator[InputError]:
     name, (root_key, tip_key) = features.family, features.widths
     root, tip = features.root_width, features.tip_width
     if root >= features.spacing:
-        yield InputError(
-            f"{name}.{root_key}", f"must be less than {features.spacing:g} mm ({name}.pitch)", root
-        )
+        rule = f"must be less than {features.spacing:g} mm ({name}.pitch)"
+        yield InputError(f"{name}.{root_key}", rule, root)
     if tip > root:
         rule = f"must be at most {root:g} mm ({name}.{root_key}), or the {name} hooks in its mold"
         yield InputError(f"{name}.{tip_key}", rule, tip)
@@ -307,11 +255,8 @@ def profile(features: Features) -> Iterator[InputError]:
     limit = min(*heights, tip / 2)
     if features.crown >= limit and not (name == "pin" and features.crown == tip / 2 < min(heights)):
         lowest = f" of {name} {heights.index(limit) + 1}" if limit in heights and limit < max(heights) else ""
-        yield InputError(
-            f"{name}.crown",
-            f"must be less than {limit:g} mm (the smaller of height{lowest} and half {tip_key})",
-            features.crown,
-        )
+        rule = f"must be less than {limit:g} mm (the smaller of height{lowest} and half {tip_key})"
+        yield InputError(f"{name}.crown", rule, features.crown)
 
 
 def strips(skin: Base, slot: Slot | None, film: Film | None, mold: Mold) -> Iterator[InputError]:
@@ -319,9 +264,8 @@ def strips(skin: Base, slot: Slot | None, film: Film | None, mold: Mold) -> Iter
     if film is not None and slot is None:
         yield InputError("film", "needs a slot to lie in", remedy="add [slot] or drop [film]")
     if film is not None and slot is not None and film.thickness > slot.thickness:
-        yield InputError(
-            "film.thickness", f"must be at most {slot.thickness:g} mm (slot.thickness)", film.thickness
-        )
+        rule = f"must be at most {slot.thickness:g} mm (slot.thickness)"
+        yield InputError("film.thickness", rule, film.thickness)
     if film is not None and slot is not None and 2 * film.margin >= slot.depth:
         rule = f"must be less than {slot.depth / 2:g} mm (half of slot.depth), or no electrode is left"
         remedy = "a deeper slot, or a finer film.cut_tolerance and film.registration"
@@ -329,7 +273,7 @@ def strips(skin: Base, slot: Slot | None, film: Film | None, mold: Mold) -> Iter
     key, method = "mold.method", mold.method
     if method == "cast-in" and slot is not None and film is None:
         yield InputError(key, "needs a [film] to cast in", method, "add [film], or take 'shim'")
-    if method == "cast-in" and skin.curvature_radius_y is not None:
+    if method == "cast-in" and math.isfinite(skin.radius_y):
         rule = "needs straight strips, and skin.curvature_radius_y bends them"
         yield InputError(key, rule, method, "drop curvature_radius_y")
 

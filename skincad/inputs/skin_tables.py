@@ -7,6 +7,7 @@ z out of the skin, flat back at z = 0.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, ConfigDict, Field, model_validator
@@ -21,6 +22,9 @@ def _a_length(schema: dict[str, Any]) -> None:
     schema["required"].remove("length")
     a_round = {"properties": {"outline": {"const": "round"}}, "required": ["outline"]}
     schema["anyOf"] = [{"required": ["length"]}, a_round]
+
+
+RADIUS_Y = "skin.curvature_radius_y"
 
 
 class Base(Table):
@@ -71,14 +75,30 @@ class Base(Table):
         return math.inf if self.curvature_radius_y is None else self.curvature_radius_y
 
     @property
+    def all_round(self) -> int:
+        """How much of the curvature across it has along y too: 1 of a round one, else 0."""
+        return int(self.round)
+
+    @property
     def area(self) -> float:
         """Area of its outline, mm2."""
-        return self.width * self.length * (math.pi / 4 if self.round else 1)
+        return self.width * self.length * (math.pi / 4) ** self.all_round
 
     def arm(self, x: float, y: float) -> float:
         """Return how far from its middle the base has curved at a place, or at arcs, mm: a round one curves
         all round. The second curvature does not count."""
-        return math.hypot(x, y) if self.round else abs(x)
+        return math.hypot(x, y * self.all_round)
+
+    @property
+    def half_arcs(self) -> tuple[float, float]:
+        """The arcs from its middle to its edges along x and y, mm."""
+        half = self.curvature_radius * math.asin(min(1.0, self.width / (2 * self.curvature_radius)))
+        return half, half if self.round else self.length / 2
+
+    def refused_radius_y(self, rule: str, remedy: str = "leave it out") -> Iterator[InputError]:
+        """Yield the refusal of a second curvature, where there is one."""
+        if math.isfinite(self.radius_y):
+            yield InputError(RADIUS_Y, rule, self.radius_y, remedy)
 
     @property
     def back_radius(self) -> float:

@@ -25,7 +25,7 @@ from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Stopwatch
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
-from skincad.inputs.skin_tables import Plate
+from skincad.inputs.skin_tables import RADIUS_Y, Plate
 from skincad.material.pad import (
     APPROACH_ERROR,
     STRAINED_ERROR,
@@ -114,13 +114,12 @@ def refuse_design(design: Design) -> None:
     body, shape = skin_of(design).body, design.contact.plate.shape
     if body == "bent":
         rule = "must not be given to accept a part by a press"
-        raise InputError("skin.curvature_radius_y", rule, design.skin.radius_y)
-    if shape == "tilted" and body in ("turned", "pins"):
+        raise InputError(RADIUS_Y, rule, design.skin.radius_y)
+    leans = body == "straight"
+    if shape != "flat" and not (leans and shape == "tilted"):
+        rule = f"must be {'flat or tilted' if leans else 'flat for pins and round skins'}"
         remedy = "press with a flat plate, and leave [contact.plate] out"
-        raise InputError("contact.plate.shape", "must be flat for pins and round skins", shape, remedy)
-    if shape not in ("flat", "tilted"):
-        remedy = "press with a flat plate, and leave [contact.plate] out"
-        raise InputError("contact.plate.shape", "must be flat or tilted", shape, remedy)
+        raise InputError("contact.plate.shape", rule, shape, remedy)
 
 
 def under_flat_plate(design: Design) -> Design:

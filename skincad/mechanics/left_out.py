@@ -154,7 +154,7 @@ def pocket_bound(design: Design, approach: float) -> float:
     if skin.bare:
         reach = math.sqrt(base.curvature_radius * approach)
         across = min(base.width, 2 * reach)
-        area = base.area * (across / base.width) ** (2 if base.round else 1)
+        area = base.area * (across / base.width) ** (1 + base.all_round)
         share = min(1.0, len(places(base, table)) * math.pi / 4 * pocket.diameter**2 / area)
     over = base.thickness + max(skin.heights) - pocket.depth
     bound = min(POCKET_SHARE[0] * share, POCKET_SHARE[1] * math.sqrt(share)) * pocket.depth / over
@@ -204,7 +204,7 @@ def _spanned(design: Design, ridges: int) -> float:
     """Width of the base under so many features, mm."""
     skin = skin_of(design)
     across = (ridges - 1) * skin.pitch
-    if skin.symmetry == "concentric":
+    if skin.form.across == "radius":
         across = 2 * skin.placed[ridges - 1].summit.x
     return min(skin.base.width, across + skin.profile.mean_width)
 

@@ -383,10 +383,9 @@ def pad_of(design: Design) -> Pad:
     Raises InputError for a skin that is curved along y too, and for pins of which there are more or whose
     base is no disc.
     """
-    radius = design.skin.radius_y
-    if math.isfinite(radius):
-        rule = "must not be given: all but the winkler model and the solids take the skin as straight along y"
-        raise InputError("skin.curvature_radius_y", rule, radius, "leave it out")
+    rule = "must not be given: all but the winkler model and the solids take the skin as straight along y"
+    for refusal in design.skin.refused_radius_y(rule):
+        raise refusal
     return solid_pad_of(design)
 
 
@@ -395,16 +394,14 @@ def solid_pad_of(design: Design) -> Pad:
 
     Raises InputError for pins, as `pad_of`.
     """
-    skin, base, radius = skin_of(design), design.skin, design.skin.curvature_radius_y
-    if skin.symmetry == "revolved":
-        if skin.count > 1:
-            raise InputError("pin", "must be one: a section through the middle shows no others", skin.count)
-        if not base.round:
-            remedy = 'give skin.outline = "round"'
-            raise InputError("skin.outline", "must be 'round' round a single pin", base.outline, remedy)
-        shape, radius = cell_section(design, base.width / 2, 1, base.curvature_radius), None
-    else:
-        shape = section(design)
+    skin, base = skin_of(design), design.skin
+    if skin.body == "pins" and skin.count > 1:
+        raise InputError("pin", "must be one: a section through the middle shows no others", skin.count)
+    if skin.body == "pins":
+        remedy = 'give skin.outline = "round"'
+        raise InputError("skin.outline", "must be 'round' round a single pin", base.outline, remedy)
+    half, arc = base.width / 2, base.curvature_radius
+    shape = cell_section(design, half, 1, arc) if skin.standing else section(design)
     material, bonded = silicone(design), design.film if design.film_state == "bonded" else None
     return Pad(
         section=shape,
@@ -419,8 +416,8 @@ def solid_pad_of(design: Design) -> Pad:
         density=material.density,
         film_density=PVDF_DENSITY if bonded and shape.slots else 0.0,
         law=material.law,
-        bend=None if radius is None else Bend(radius, base.thickness - radius),
-        revolved=base.round,
+        bend=Bend(base.radius_y, -base.back_radius) if skin.body == "bent" else None,
+        revolved=skin.body == "turned",
         layers=tuple(layers_of(design, shape, base.width / 2)),
     )
 

@@ -110,7 +110,7 @@ def limits(design: Design) -> Limits:
 def column_modulus(design: Design) -> float:
     """Return the modulus of a feature as a column, MPa: a pin's E, as its sides are free all round; else
     E / (1 - nu^2)."""
-    held = skin_of(design).profile.column.held
+    held = skin_of(design).form.column.held
     return plane_modulus(design) if held else silicone(design).young_modulus.value
 
 
@@ -198,8 +198,8 @@ def peak(design: Design, approach: float) -> float:
     Along y a row of springs is pressed in by `approach` less y^2 / (2 R) mm, and touches where that is above
     0.
     """
-    radius, half = design.skin.curvature_radius_y, design.skin.length / 2
-    if radius is None or approach <= 0.0 or skin_of(design).symmetry != "extruded":
+    radius, half = design.skin.radius_y, skin_of(design).form.along * design.skin.length / 2
+    if approach <= 0.0:
         return 1.0
     touches = math.sqrt(2 * radius * approach)
     return 1.5 * half / touches if touches < half else approach / (approach - half**2 / (6 * radius))
@@ -216,7 +216,7 @@ def buckling_force(design: Design) -> float:
     1.22 for the 20 before them). Tips of stubs fold first, from a nominal strain of about 0.2 on.
     """
     material, skin = silicone(design), skin_of(design)
-    column, area = skin.profile.column, skin.placed[0].area
+    column, area = skin.form.column, skin.placed[0].area
     inertia = column.gyration * skin.profile.mean_width**2 * area
     bending = math.pi**2 * column_modulus(design) * inertia / max(skin.heights) ** 2
     shear_modulus = material.young_modulus.value / (2 * (1 + material.poisson_ratio))

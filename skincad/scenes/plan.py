@@ -132,7 +132,7 @@ def _errors(on: MarchSetup, before: March, march: March) -> tuple[dict[int, floa
     of a skin without films the mean change of the share that slips, of all steps."""
     if not on.scene.readout.ridges and on.piece is not None:
         return {}, change_of_slip_share(before, march)
-    one, other = (differential(on.piece, on.scene, run) for run in (before, march))
+    one, other = (differential(on.scene, run) for run in (before, march))
     steps = min(before.time.size, march.time.size)
     error = {r: float(np.abs(one[r][:steps] - other[r][:steps]).max()) for r in one}
     largest = max((float(np.abs(v).max()) for v in other.values()), default=0.0)
@@ -221,16 +221,17 @@ def _by(
     scene = on.scene.with_(effects=law)
     piece = piece_for(scene, on.seconds)
     better = replace(on, scene=scene, piece=piece, meshes={}, model=model_of(scene), seconds={})
-    found = refine(better, None, None, began) if piece is None else Runs(march_on(LEVELS[0], better))
+    if piece is None:  # its errors are those at finite strain too
+        found = refine(better, None, None, began)
+    else:
+        found = replace(runs, march=march_on(LEVELS[0], better), after=runs.after or runs.march)
     march = found.march
     on.seconds[better.model] = sum(march.seconds.values())
     if march.interrupted:
         raise KeyboardInterrupt
     if march.failed and len(march.readings) < len(runs.march.readings):
         raise RefusedError(f"it stopped at {march.stopped}")
-    if piece is None:  # its errors are those at finite strain too
-        return replace(better, seconds=on.seconds), found
-    return replace(better, seconds=on.seconds), replace(runs, march=march, after=runs.after or runs.march)
+    return replace(better, seconds=on.seconds), found
 
 
 def _marched_rounder(on: MarchSetup, runs: Runs, budget: float | None, began: float) -> Runs:
@@ -299,9 +300,9 @@ def _drift(on: MarchSetup, march: March) -> float:
     if on.piece is None:
         drifts = [reading.drift.forces.max() for reading in march.readings if reading.drift]
         return float(max(drifts) / np.abs(march.loads[:, :2]).max())
-    stress = differential(on.piece, on.scene, march)
+    stress = differential(on.scene, march)
     largest = max((float(np.abs(error).max()) for error in stress.values()), default=0.0)
-    return max(drifted(on, march).values(), default=0.0) / largest if largest else 0.0
+    return max(drifted(on.scene, march).values(), default=0.0) / largest if largest else 0.0
 
 
 def model_of(scene: Scene) -> str:
@@ -342,7 +343,7 @@ def left_out_effects(
     `further` is what its pad leaves out besides.
     Where no design that its constants were fitted to is like this one, an estimate is not calibrated."""
     history = scene.history
-    if skin_of(scene.design).symmetry == "revolved":
+    if skin_of(scene.design).standing:
         from skincad.effects.pin_pad import left_out
 
         return left_out(scene.design, path, bent=FINITE_STRAIN in scene.effects)

@@ -23,7 +23,7 @@ from skincad.effects.kinds import MASS, LeftOutEffect, MarchedPad, PadChange
 from skincad.mechanics.dynamics.ringing import layer_period, skin_mass
 from skincad.scenes.march import LEVELS, Level, March, expected, frames, march
 from skincad.scenes.scene import Scene
-from skincad.shape.skin import skin_of
+from skincad.shape.skin import section, skin_of
 
 if TYPE_CHECKING:
     from skincad.mechanics.bodies.mesh import PadPiece
@@ -86,19 +86,16 @@ def spent(seconds: dict[str, float], name: str) -> Iterator[None]:
 def piece_for(scene: Scene, seconds: dict[str, float]) -> PadPiece | None:
     """Return what is to be meshed: slots full of silicone, each effect that changes the pad changing that;
     None of pins."""
-    if skin_of(scene.design).symmetry == "revolved":
+    if skin_of(scene.design).standing:
         return None
     from skincad.mechanics.bodies.mesh import piece_of
     from skincad.mechanics.film.stress import filled_pad
     from skincad.mechanics.problem import check_pad, focused, pad_of
 
     design = scene.design.with_(contact={"plate": {"shape": scene.plate.shape}})
-    plain = (
-        design.with_(contact={"film": "ignored"})
-        if skin_of(design).slot
-        else design.with_(contact={"film": None})
-    )
-    pad, thickness = filled_pad(plain) if skin_of(design).slot else (pad_of(plain), 0.0)
+    slot = skin_of(design).slot
+    plain = design.with_(contact={"film": "ignored" if slot else None})
+    pad, thickness = filled_pad(plain) if slot else (pad_of(plain), 0.0)
     for name, part in scene.parts.items():
         if isinstance(part, PadChange):
             with spent(seconds, name):
@@ -145,11 +142,8 @@ def _pad_on(level: Level, on: MarchSetup) -> tuple[MarchedPad, dict[str, float]]
         from skincad.effects.pin_pad import SLIDING, STICKING, bent_pad, pin_pad
 
         marks.append(perf_counter())
-        creep, make = (
-            SLIDING if level == LEVELS[0] else STICKING,
-            pin_pad if scene.law.condenses else bent_pad,
-        )
-        pad: MarchedPad = make(scene.design, creep)
+        make = pin_pad if scene.law.condenses else bent_pad
+        pad: MarchedPad = make(scene.design, SLIDING if level == LEVELS[0] else STICKING)
         marks.append(perf_counter())
     else:
         mesh = meshed_pad(on.piece, level, on.meshes)
@@ -284,13 +278,15 @@ def meshed_pad(piece: PadPiece, level: Level, meshes: dict[float, object]) -> ob
     return meshes[level.fineness]
 
 
-def differential(piece: PadPiece | None, scene: Scene, march: March) -> dict[int, Array]:
+def _pairs(scene: Scene, films: Array) -> dict[int, tuple[Array, Array]]:
+    """The first of the values `(n, films, k)` at S1 and at S2 by monitored ridge."""
+    place = {(s.feature, s.side): i for i, s in enumerate(section(scene.design).slots)}
+    return {r: (films[:, place[r, "S1"], 0], films[:, place[r, "S2"], 0]) for r in scene.readout.ridges}
+
+
+def differential(scene: Scene, march: March) -> dict[int, Array]:
     """Return S1 - S2 across the films `(steps + 1,)` MPa by monitored ridge."""
-    if piece is None:
-        return {}
-    place = {(s.feature, s.side): i for i, s in enumerate(piece.whole.section.slots)}
-    films = march.column("films")
-    return {r: films[:, place[r, "S1"], 0] - films[:, place[r, "S2"], 0] for r in scene.readout.ridges}
+    return {r: one - other for r, (one, other) in _pairs(scene, march.column("films")).items()}
 
 
 def left_out_by_pad(march: March) -> LeftOutEffect | None:
@@ -301,11 +297,9 @@ def left_out_by_pad(march: March) -> LeftOutEffect | None:
     return march.pad.left_out(last) if isinstance(march.pad, CondensedPad) and last is not None else None
 
 
-def drifted(on: MarchSetup, march: March) -> dict[int, float]:
+def drifted(scene: Scene, march: March) -> dict[int, float]:
     """Return the largest drift of each monitored ridge's difference, MPa; nothing without chosen steps."""
-    if march.readings[-1].drift is None or on.piece is None:
+    if march.readings[-1].drift is None:
         return {}
-    place = {(s.feature, s.side): i for i, s in enumerate(on.piece.whole.section.slots)}
     films = np.array([reading.drift.films for reading in march.readings if reading.drift])
-    both = {r: [films[:, place[r, side], 0] for side in ("S1", "S2")] for r in on.scene.readout.ridges}
-    return {r: float((one + other).max()) for r, (one, other) in both.items()}
+    return {r: float((one + other).max()) for r, (one, other) in _pairs(scene, films).items()}

@@ -214,8 +214,7 @@ class Readout(Table):
 
 
 LAW = "small_strain"  # of a scene that names none
-ROUND_EFFECTS = "friction", LAW  # what is simulated of round skins,
-PIN_EFFECTS = *ROUND_EFFECTS, "finite_strain", "magnet"  # and of pins
+ROUND_EFFECTS = "friction", LAW  # what is simulated of round skins
 FILMLESS, ALONG_Y = "it has no slots for films", "so far only a section along y is"
 # why the others are not, of a round skin
 ROUND_REFUSALS = {
@@ -230,6 +229,13 @@ ROUND_REFUSALS = {
     "history.rotation_deg": "a plate that turns presses a ring harder on one side",
     "readout.steps": "a pull shears each section round the middle otherwise",
     "readout.frames": "a pull shears each section round the middle otherwise",
+}
+A_ROUND_SKIN = "a round skin", ROUND_EFFECTS, ROUND_REFUSALS
+# by family, of skins that no section along y shows: whose, which effects are simulated, why others are not
+SIMULATED: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
+    "pin": ("pins", (*ROUND_EFFECTS, "finite_strain", "magnet"), {}),
+    "ring": A_ROUND_SKIN,
+    "flat": A_ROUND_SKIN,
 }
 LIFT_EFFECTS = *ROUND_EFFECTS, "film", "free_ends", "piezo", "viscosity"  # and of a lift
 CHOSEN = "chosen"  # steps at finite strain
@@ -466,32 +472,35 @@ def _check(scene: Scene) -> None:
 
 
 def _check_family(scene: Scene) -> None:
-    """Raise InputError for what only a section that is swept along y knows: pins slip as points, by Coulomb's
-    friction; a round skin is a section that turns, under a level plate."""
-    pins = skin_of(scene.design).symmetry == "revolved"
-    whose, reasons = ("pins", dict[str, str]()) if pins else ("a round skin", ROUND_REFUSALS)
-    others = {
-        f"effects.{name}": name not in (PIN_EFFECTS if pins else ROUND_EFFECTS) for name in scene.effects
-    }
-    cone = scene.cone
-    if pins and cone and (cone.breakpoints or cone.kinetic != cone.static):
-        rule = "must be Coulomb's with one coefficient for pins"
-        raise InputError("effects.friction", rule, remedy="give coefficient alone")
-    pulled = any(scene.history.tangential_force_N or scene.history.displacement_mm or [])
-    if pins and pulled and not (cone and cone.static):
-        rule = "is missing: a plate without friction pulls no pin"
-        raise InputError("effects.friction", rule, remedy="give its coefficient")
-    steps = getattr(scene.law, "steps", CHOSEN)
-    if pins and steps != CHOSEN:
-        rule, remedy = "must be chosen for pins", f'take steps = "{CHOSEN}"'
-        raise InputError("effects.finite_strain.steps", rule, steps, remedy)
-    others["effects.finite_strain.creases"] = pins and getattr(scene.law, "creases", "pass") != "pass"
+    """Raise InputError for what only a section that is swept along y knows: a round skin is one that turns,
+    under a level plate."""
+    family = skin_of(scene.design).family
+    if family == "pin":
+        _check_pins(scene)
+    whose, effects, reasons = SIMULATED[family]
+    others = {f"effects.{name}": name not in effects for name in scene.effects}
+    others["effects.finite_strain.creases"] = getattr(scene.law, "creases", "pass") != "pass"
     others["history.rotation_deg"] = any(scene.history.rotation_deg or [])
     others |= {f"readout.{key}": bool(getattr(scene.readout, key)) for key in ("ridges", *DRAWN)}
     for key, is_set in others.items():
         if is_set:
             why = f": {reasons[key]}" if key in reasons else ""
             raise InputError(key, f"is not simulated of {whose}{why}", remedy="leave it out")
+
+
+def _check_pins(scene: Scene) -> None:
+    """Raise InputError for friction and steps that pins do not know: they slip as points, by Coulomb's."""
+    cone, pulls = scene.cone, scene.history.tangential_force_N or scene.history.displacement_mm or []
+    steps = getattr(scene.law, "steps", CHOSEN)
+    if cone and (cone.breakpoints or cone.kinetic != cone.static):
+        rule = "must be Coulomb's with one coefficient for pins"
+        raise InputError("effects.friction", rule, remedy="give coefficient alone")
+    if any(pulls) and not (cone and cone.static):
+        rule = "is missing: a plate without friction pulls no pin"
+        raise InputError("effects.friction", rule, remedy="give its coefficient")
+    if steps != CHOSEN:
+        rule, remedy = "must be chosen for pins", f'take steps = "{CHOSEN}"'
+        raise InputError("effects.finite_strain.steps", rule, steps, remedy)
 
 
 def _check_parts(scene: Scene) -> None:
@@ -538,7 +547,7 @@ def _check_lift(scene: Scene, grip: Grip) -> None:
         grip.acts(scene.design.grippers or {})
     except InputError as failure:
         raise failure.under("grip") from None
-    if skin_of(scene.design).symmetry != "extruded":
+    if skin_of(scene.design).family != "ridge":
         raise InputError("grip", "is for a skin with ridges", remedy="take a skin with [ridge]")
     others = {"plate.mass": scene.plate.mass, **{f"readout.{k}": getattr(scene.readout, k) for k in DRAWN}}
     for key, value in others.items():
@@ -570,12 +579,8 @@ def _check_lift_effects(scene: Scene) -> None:
 def _check_force(scene: Scene) -> None:
     """Raise InputError for a normal force that the ridges do not bear within the law's range, even if they
     share it evenly. With masses the skin may feel less than the plate."""
-    ends, ridges, peak = (
-        scene.law.limits(scene.design),
-        skin_of(scene.design).count,
-        max(scene.history.normal_force_N),
-    )
-    if MASS not in scene.asked and peak > (most := ends.bears(ridges)):
+    ends, peak = scene.law.limits(scene.design), max(scene.history.normal_force_N)
+    if MASS not in scene.asked and peak > (most := ends.bears(skin_of(scene.design).count)):
         rule = f"must be at most {most:.3g} N: {ends.overload_reason(ends.largest * peak / most)}"
         key = "history.normal_force_N" if scene.grip is None else "grip.force"
         raise InputError(key, rule, peak, "take smaller forces or a harder silicone")

@@ -486,18 +486,16 @@ def _simulation(on: MarchSetup, runs: Runs, seconds: dict[str, float]) -> Simula
     """The result of the march that counts."""
     began = perf_counter()
     scene, march, notes = on.scene, runs.march, [*runs.notes, *at_finite_strain(runs)]
-    raw, width = differential(on.piece, scene, march), scene.readout.bandwidth_Hz
+    raw, width = differential(scene, march), scene.readout.bandwidth_Hz
     halts = halts_of(scene)
     slips = slips_of(march, skin_of(scene.design).count, halts)
     path = path_of(march)
-    left_out, driven = (
-        left_out_effects(scene, path, left_out_by_pad(march)),
-        scene.history.tangential_force_N is None,
-    )
+    left_out = left_out_effects(scene, path, left_out_by_pad(march))
+    driven = scene.history.tangential_force_N is None
     change = math.fsum(entry.change for entry in left_out)  # of a ridge's load, taken to be the signals'
     # a bare face slips as a whole where friction bears no more, whatever is left out
     moved = 0.0 if scene.bare and not driven else change
-    stressed = stress_errors(runs, lambda one: differential(on.piece, scene, one), change, drifted(on, march))
+    stressed = stress_errors(runs, lambda one: differential(scene, one), change, drifted(scene, march))
     if raw and "film" not in scene.effects:
         notes = [*notes, "effects.film is not named: the stress shown is the silicone's, in the films' place"]
     notes = [*notes, *unresolved(march.time, width)] if raw else notes

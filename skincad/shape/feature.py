@@ -14,8 +14,6 @@ from skincad.inputs.skin_tables import Slot
 from skincad.shape.curves import Loop, Point, Segment, loop
 
 Side = Literal["S1", "S2"]
-# along y; about the feature's own axis; about the skin's; the face of a skin without features
-Symmetry = Literal["extruded", "revolved", "concentric", "none"]
 Vector = tuple[float, float, float]
 
 
@@ -84,6 +82,34 @@ class Column(NamedTuple):
 BAR, ROD = Column(1 / 12, 5 / 6, True), Column(1 / 16, 0.9, False)
 
 
+class Form(NamedTuple):
+    """What features of a family have in common.
+
+    The section shows one on these `sides` of the middle, -1 as its mirror image; pins stand on it as solids
+    of their own. `along` is the share of the skin's length along which a crest runs straight. One is `closed`
+    all round, or has ends towards which a front can drive air. A cavity can be parted at its `parting`.
+    `place` says where one is, beside its number, by x and y of its tip, mm; a groove is at an `across`; the
+    skin's length is along its `way`.
+    """
+
+    column: Column = BAR
+    sides: tuple[int, ...] = (1,)
+    along: float = 0.0
+    closed: bool = False
+    parting: Literal["flanks", "tips", ""] = ""
+    place: str = ""
+    way: str = "y"
+    across: Literal["x", "radius"] = "x"
+
+
+FORMS = {  # by family
+    "ridge": Form(along=1.0, parting="flanks", way="the ridges"),
+    "pin": Form(ROD, sides=(), closed=True, parting="tips", place=" at x {:.4g}, y {:.4g} mm"),
+    "ring": Form(sides=(-1, 1), closed=True, across="radius"),
+    "flat": Form(),
+}
+
+
 @dataclass(frozen=True, kw_only=True)
 class Feature:
     """What stands on the base, in its own frame, mm.
@@ -91,8 +117,7 @@ class Feature:
     `outline` runs from the foot at +t to that at -t, the material on its left; segments that `touches` may
     meet a plate. `height` is that of its summit, which lies on the axis; `root_width` and `tip_width` are
     chords before fillets, `crown` is the tip's rise in its middle over its edges. `slot` is the table that
-    its `sensors` follow. An `extruded` feature runs along y, a `revolved` one turns about its axis, a
-    `concentric` one about the skin's. A face without features has no outline.
+    its `sensors` follow. A face without features has no outline.
     """
 
     family: str
@@ -105,8 +130,11 @@ class Feature:
     tip_fillet: float
     slot: Slot | None = None
     sensors: tuple[SensorPlace, ...] = ()
-    symmetry: Symmetry = "extruded"
-    column: Column = BAR
+
+    @property
+    def form(self) -> Form:
+        """What it has in common with all of its family."""
+        return FORMS[self.family]
 
     @property
     def mean_width(self) -> float:

@@ -10,7 +10,7 @@ from skincad.base.arrays import Array
 from skincad.inputs.design import Design
 from skincad.inputs.guards import face_heights
 from skincad.shape.curves import Loop, Point, Segment
-from skincad.shape.skin import GUARD_TOLERANCE, skin_of
+from skincad.shape.skin import skin_of
 
 
 def face(design: Design, number: int, half: float) -> Loop:
@@ -21,10 +21,8 @@ def face(design: Design, number: int, half: float) -> Loop:
         return (Segment(Point(half, middle), Point(-half, middle)),)
     radius = design.skin.curvature_radius - shot.depth
     turn = math.asin(half / radius)
-    fall = 2 * radius * math.sin(turn / 2) ** 2
-    plane = skin_of(design).symmetry == "revolved" and fall < GUARD_TOLERANCE  # as the base under pins is
-    bulge = 0.0 if plane else math.tan(turn / 2)
-    return (Segment(Point(half, middle - fall), Point(-half, middle - fall), bulge),)
+    side = middle - 2 * radius * math.sin(turn / 2) ** 2
+    return (skin_of(design).levelled(Segment(Point(half, side), Point(-half, side), math.tan(turn / 2))),)
 
 
 def heights(design: Design, number: int, x: Array, y: Array) -> Array:
@@ -43,5 +41,5 @@ def _level(design: Design, number: int, x: Array, y: Array) -> Array:
     if shot.depth is None:
         return np.full_like(x, middle)
     radius = design.skin.curvature_radius - shot.depth
-    across = np.hypot(x, y) if design.skin.round else np.abs(x)
+    across = np.hypot(x, y * design.skin.all_round)
     return np.asarray(middle - 2 * radius * np.sin(np.arcsin(across / radius) / 2) ** 2)

@@ -22,7 +22,7 @@ from skincad.inputs.guards import LEAST_POCKET_WALL, shoulder
 from skincad.inputs.skin_tables import Base, Slot
 from skincad.shape.curves import Loop, Point, Segment, area, loop, moments, polygon
 from skincad.shape.families import place
-from skincad.shape.feature import Feature, Frame, Placed, SensorPlace, Symmetry
+from skincad.shape.feature import Feature, Form, Frame, Placed, SensorPlace
 
 # A section that runs along y, or along an arc there; one that turns about z; pins, which no section shows all
 Body = Literal["straight", "bent", "turned", "pins"]
@@ -91,27 +91,26 @@ class Skin:
         return self.profile.family
 
     @property
-    def symmetry(self) -> Symmetry:
-        """What its features' outlines run along or turn about."""
-        return self.profile.symmetry
+    def form(self) -> Form:
+        """What its features have in common with all of their family."""
+        return self.profile.form
+
+    @property
+    def standing(self) -> tuple[Placed, ...]:
+        """The features that stand on its section, which shows none of them: pins."""
+        return () if self.form.sides else self.placed
 
     @property
     def body(self) -> Body:
         """How its section makes it."""
-        if self.symmetry == "revolved" and (self.count > 1 or not self.base.round):
-            return "pins"
-        return "turned" if self.base.round else "straight" if math.isinf(self.base.radius_y) else "bent"
+        if self.base.round and len(self.standing) < 2:
+            return "turned"
+        return "pins" if self.standing else "straight" if math.isinf(self.base.radius_y) else "bent"
 
     @property
     def bare(self) -> bool:
         """Whether it has no features: its face is what touches."""
         return not self.profile.outline
-
-    @property
-    def closed(self) -> bool:
-        """Whether its features are closed all round, pins or rings: what casts them has no end towards which
-        a front could drive air."""
-        return self.symmetry in ("revolved", "concentric")
 
     @property
     def count(self) -> int:
@@ -167,16 +166,18 @@ class Skin:
 
     def named(self, number: int) -> str:
         """Return what a finding calls a feature: a pin by its place too, x and y from the skin's middle."""
-        where = f"{self.family} {number}"
-        if self.symmetry != "revolved":
-            return where
-        x, y, _ = self.placed[number - 1].tip
-        return f"{where} at x {x:.4g}, y {y:.4g} mm"
+        return f"{self.family} {number}{self.form.place.format(*self.placed[number - 1].tip)}"
 
     @property
     def turned_down(self) -> str:
         """What of it is down while it is poured."""
         return "its face" if self.bare else f"the {self.family}s"
+
+    def levelled(self, arc: Segment) -> Segment:
+        """Return an arc of its base, or of a layer's face, or its chord where both are one and pins stand on
+        it: on a plane."""
+        plane = self.standing and abs(arc.bulge) * arc.chord / 2 < GUARD_TOLERANCE
+        return replace(arc, bulge=0.0) if plane else arc
 
     def groove(self) -> Narrowest:
         """Return the narrowest groove of what casts the skin: the tip of the highest feature."""
@@ -254,14 +255,9 @@ def cell_section(
     if not foot < radius:
         rule = f"must leave base round a pin's foot, {foot:.4g} mm in radius"
         raise InputError("skin.width", rule, 2 * radius, "enlarge it, or take a thinner pin")
-    flat = math.isinf(curvature_radius)
-    turn = 0.0 if flat else math.asin(radius / curvature_radius) - math.asin(foot / curvature_radius)
-    rim = (
-        thickness
-        if flat
-        else thickness - 2 * curvature_radius * math.sin(math.asin(radius / curvature_radius) / 2) ** 2
-    )
-    bulge = math.tan(turn / 4)
+    side = math.asin(radius / curvature_radius)
+    rim = thickness - (2 * curvature_radius * math.sin(side / 2) ** 2 if side else 0.0)
+    bulge = math.tan((side - math.asin(foot / curvature_radius)) / 4)
     outline = (
         Segment(Point(-radius, 0.0), Point(radius, 0.0), kind="back"),
         Segment(Point(radius, 0.0), Point(radius, rim), kind="side"),
@@ -277,10 +273,10 @@ def pictured_section(design: Design, tolerance: float) -> Array:
     """Return what a picture shows as the section, `(n, 2)` mm of x and z, arcs within `tolerance` mm: the
     outline, with the pins of the row next to the middle and their pockets."""
     skin, outline = skin_of(design), polygon(section(design).outline, tolerance)
-    if skin.symmetry != "revolved":
+    least = min((abs(p.y) for p in skin.standing), default=0.0)
+    row = [p for p in skin.standing if abs(p.y) <= least + VISIBLE]
+    if not row:
         return outline
-    least = min(abs(p.y) for p in skin.placed)
-    row = [p for p in skin.placed if abs(p.y) <= least + VISIBLE]
     body = shapely.Polygon(outline)
     for placed in row:
         (right, left), at = placed.feature.feet, placed.frame.at
@@ -300,7 +296,7 @@ DRAWN = 1e-4  # mm, of pins' arcs in a drawing as chords
 
 def drawn_section(design: Design) -> Section:
     """Return the section as drawings have it: that of the plane y = 0, or of the row of pins next to it."""
-    if skin_of(design).symmetry != "revolved":
+    if not skin_of(design).standing:
         return section(design)
     return Section(loop([Point(x, z) for x, z in pictured_section(design, DRAWN).tolist()], "side"))
 
@@ -313,7 +309,7 @@ def _outline(skin: Skin) -> Iterator[Segment]:
     yield Segment(Point(-x, 0.0), Point(x, 0.0), kind="back")
     yield Segment(Point(x, 0.0), Point(x, rim), kind="side")
     here, angle = Point(x, rim), side
-    for placed in reversed(_crossings(skin)):
+    for placed in _crossings(skin):
         right, left = placed.feature.feet
         reach = math.atan2(right.x, radius + right.z)
         yield from _base_arc(skin, here, placed.frame.at(*right), angle - placed.lean - reach)
@@ -323,13 +319,11 @@ def _outline(skin: Skin) -> Iterator[Segment]:
     yield Segment(Point(-x, rim), Point(-x, 0.0), kind="side")
 
 
-def _crossings(skin: Skin) -> list[Placed]:
-    """The features that cross the section, from the smallest x: rings on either side of the middle."""
-    if skin.symmetry == "extruded":
-        return list(skin.placed)
-    if skin.symmetry == "concentric":
-        return [*(_mirrored(placed) for placed in reversed(skin.placed)), *skin.placed]
-    return []
+def _crossings(skin: Skin) -> Iterator[Placed]:
+    """The features that cross the section, from the largest x: rings on either side of the middle."""
+    placed = [] if skin.bare else skin.placed
+    for side in reversed(skin.form.sides):
+        yield from reversed(placed) if side > 0 else map(_mirrored, placed)
 
 
 def _mirrored(placed: Placed) -> Placed:
@@ -340,18 +334,14 @@ def _mirrored(placed: Placed) -> Placed:
 
 
 def upright(placed: Placed) -> Placed:
-    """Return a pin in the plane of its axis and z; any other feature as it is."""
-    if placed.feature.symmetry != "revolved":
-        return placed
+    """Return a feature in the plane of its axis and z, where all but pins stand."""
     sine, cosine = math.sin(placed.lean), math.cos(placed.lean)
     return replace(placed, frame=Frame(placed.frame.origin, Point(cosine, -sine), Point(sine, cosine)))
 
 
 def _base_arc(skin: Skin, start: Point, end: Point, sweep: float) -> Iterator[Segment]:
     face = skin.bare
-    segment = Segment(start, end, math.tan(sweep / 4), "base", 1 if face else None, face)
-    if skin.symmetry == "revolved" and abs(segment.bulge) * segment.chord / 2 < GUARD_TOLERANCE:
-        segment = replace(segment, bulge=0.0)  # plane, as a flat skin's pins stand
+    segment = skin.levelled(Segment(start, end, math.tan(sweep / 4), "base", 1 if face else None, face))
     if segment.chord > 0.0:
         yield segment
 
@@ -360,22 +350,16 @@ def _guard(result: Section, skin: Skin) -> None:
     """Judge the whole section on its polygons: simple, slots inside, walls and webs thick enough."""
     body = shapely.Polygon(polygon(result.outline, GUARD_TOLERANCE))
     if not body.is_valid:
-        raise InputError(
-            skin.profile.family,
-            f"the outline crosses itself ({shapely.is_valid_reason(body)})",
-            remedy=f"move {skin.family}s apart",
-        )
+        rule = f"the outline crosses itself ({shapely.is_valid_reason(body)})"
+        raise InputError(skin.family, rule, remedy=f"move {skin.family}s apart")
     if not result.slots or skin.slot is None:
         return
     slots = [shapely.Polygon(polygon(s.loop(), GUARD_TOLERANCE)) for s in result.slots]
     outside = [s for s, shape in zip(result.slots, slots, strict=True) if not body.contains(shape)]
     if outside:
-        raise InputError(
-            "slot",
-            f"must lie inside the outline; {outside[0].side} of ridge {outside[0].feature} crosses it",
-            f"offset {skin.slot.offset:g}, elevation {skin.slot.elevation:g} mm",
-            "reduce offset, depth or elevation",
-        )
+        rule = f"must lie inside the outline; {outside[0].side} of ridge {outside[0].feature} crosses it"
+        place = f"offset {skin.slot.offset:g}, elevation {skin.slot.elevation:g} mm"
+        raise InputError("slot", rule, place, "reduce offset, depth or elevation")
     walls = [float(body.exterior.distance(shape)) for shape in slots]
     wall = min(walls)
     thinnest = result.slots[walls.index(wall)]
@@ -386,26 +370,19 @@ def _guard(result: Section, skin: Skin) -> None:
     web = min((float(slots[i].distance(slots[j])) for i, j in close), default=math.inf)
     for place_name, size in ((f"wall to the outline{where}", wall), ("web between slots", web)):
         if size < MOLDABLE_WALL:
-            raise InputError(
-                "slot.offset",
-                f"leaves a {place_name} of {max(size, 0.0):.4g} mm; silicone needs {MOLDABLE_WALL:g} mm",
-                skin.slot.offset,
-                "move, turn or shorten the slots",
-            )
+            rule = f"leaves a {place_name} of {max(size, 0.0):.4g} mm; silicone needs {MOLDABLE_WALL:g} mm"
+            raise InputError("slot.offset", rule, skin.slot.offset, "move, turn or shorten the slots")
 
 
 def _guard_pockets(skin: Skin, pin: Pin, pocket: Pocket) -> None:
     """Raise InputError where an upright pocket comes too near to the flank of a pin that leans."""
     turn = np.linspace(0.0, 2 * math.pi, POCKET_POINTS, endpoint=False)
+    across, along_y = (pocket.diameter / 2 * part for part in (np.cos(turn), np.sin(turn)))
     height = np.linspace(0.0, pocket.depth, POCKET_POINTS)[:, None]
     walls = dict[int, float]()
     for placed in skin.placed:
         (x, y, _), axis = placed.tip, np.array(placed.axis)
-        rim = np.broadcast_arrays(
-            x + pocket.offset + pocket.diameter / 2 * np.cos(turn),
-            y + pocket.diameter / 2 * np.sin(turn),
-            height,
-        )
+        rim = np.broadcast_arrays(x + pocket.offset + across, y + along_y, height)
         out = np.stack(rim, axis=-1) - np.array(placed.foot)
         along = out @ axis
         beside = np.linalg.norm(out - along[..., None] * axis, axis=-1)

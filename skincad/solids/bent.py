@@ -39,6 +39,7 @@ import numpy as np
 
 from skincad.base.errors import InputError
 from skincad.inputs.design import Design
+from skincad.inputs.skin_tables import RADIUS_Y
 from skincad.shape.curves import Loop, Point, Segment, area, flipped
 from skincad.shape.skin import Section, skin_of
 from skincad.solids.bone import bone_parts
@@ -87,7 +88,6 @@ CUT_OVERRUN = 0.5  # mm, by which a cut is built further than what it takes away
 LEAST_THREAD = 3.0  # mm, assumption: one diameter of thread, and the shortest inserts
 TOP_EDGE = 0.5  # mm, assumption: least wall at the top between a bore and a leaning face; it widens downward
 BORE_OVERRUN = 0.2  # mm, by which a bore from the curved back begins below its rim
-KEY = "skin.curvature_radius_y"
 _FROM_ABOVE = (CutRole.COVER_THREAD, CutRole.COVER_PIN)
 
 
@@ -137,14 +137,14 @@ def shims_turn(design: Design) -> float:
 def check_bent(design: Design) -> Iterator[InputError]:
     """Yield an error for each thing that a doubly curved mold can't be."""
     radius, choice = design.skin.radius_y, design.mold
-    remedy = f"drop {KEY}"
+    remedy = f"drop {RADIUS_Y}"
     if radius > LARGEST_RADIUS:
         rule = f"must be at most {LARGEST_RADIUS:g} mm for a mold: a flatter skin can be cast straight"
-        yield InputError(KEY, rule, radius, "leave it out")
+        yield from design.skin.refused_radius_y(rule)
     most = SHARE_OF_ARM * (radius - design.skin.thickness)
     if skin_of(design).slot is not None and choice.end_plate > most:
         rule = f"must be at most {most:.4g} mm, or a shim rises too far in it"
-        yield InputError("mold.end_plate", rule, choice.end_plate, f"or enlarge {KEY}")
+        yield InputError("mold.end_plate", rule, choice.end_plate, f"or enlarge {RADIUS_Y}")
     if choice.cavities > 1:
         yield InputError("mold.cavities", "must be 1 in a doubly curved mold", choice.cavities, remedy)
     if split_ridges(design):
@@ -178,7 +178,7 @@ def _lids(design: Design, place: Layout, grid: Grid) -> Layout:
     if place.back >= grid.centre or web < BESIDE:
         remedy = "make the skin longer or the radius larger"
         rule = f"leaves {web:.3g} mm at the narrow top between a bolt and a pin of the cover, which need "
-        raise InputError(KEY, rule + f"{BESIDE:g} mm", design.skin.radius_y, remedy)
+        raise InputError(RADIUS_Y, rule + f"{BESIDE:g} mm", design.skin.radius_y, remedy)
     end = on_grid(half_length(grid, back))
     out = end + design.mold.end_plate / math.cos(grid.half) + OVERHANG
     keying = place.keying[1], 0.0  # there is no room along y

@@ -255,7 +255,7 @@ def safe_strain(design: Design) -> float:
 def parts_at_tips(design: Design) -> bool:
     """Whether the cavity of pins is a plate of through holes on a base of cups: with split = "tips", or
     "auto" where a tool makes the holes, and they stand on a plane."""
-    if design.mold.split == "none" or skin_of(design).symmetry != "revolved":
+    if design.mold.split == "none" or skin_of(design).form.parting != "tips":
         return False
     plane = on_plane(design, section(design)) and kind_of(design).ends and design.mold.cavities == 1
     return design.mold.split == "tips" or (plane and block_process(design).layer == 0)
@@ -264,7 +264,7 @@ def parts_at_tips(design: Design) -> bool:
 def split_ridges(design: Design) -> list[int]:
     """Return the ridges at which the cavity is parted: with split = "auto" those that are squeezed beyond
     what is safe, and their mirror images, so that the pieces between come out straight."""
-    if design.mold.split == "none" or skin_of(design).symmetry != "extruded":
+    if design.mold.split == "none" or skin_of(design).form.parting != "flanks":
         return []
     skin, limit = skin_of(design), safe_strain(design)
     caught = [ridge for ridge, undercut in skin.undercuts.items() if undercut.strain > limit]

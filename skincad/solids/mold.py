@@ -203,7 +203,7 @@ def _choices(design: Design, ridges: list[int]) -> Iterator[InputError]:
     if how == "tips" and not (at_tips and on_plane(design, section(design))):
         rule = "needs pins on a flat base, whose tips lie on one plane"
         yield InputError("mold.split", rule, how, "leave it out: one block, its holes brushed full")
-    elif how == "auto" and skin.symmetry in ("concentric", "none"):
+    elif how == "auto" and not skin.form.parting:
         rule = f"must be 'none' here: a cavity is split at ridges or pins, and [{skin.family}] has none"
         yield InputError("mold.split", rule, how, "leave it out")
     if ridges and skin.count % 2 == 0:

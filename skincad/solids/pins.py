@@ -71,7 +71,7 @@ def magnet_of(design: Design) -> tuple[float, float] | None:
 def pins(design: Design, shape: Section) -> tuple[TurnedBody, ...]:
     """Return the design's pins on its base, whose section is `shape`; none of another family."""
     skin = skin_of(design)
-    if skin.symmetry != "revolved":
+    if not skin.standing:
         return ()
     base = next(s for s in shape.outline if s.kind == "base")
     if on_plane(design, shape):
@@ -241,10 +241,10 @@ def _filled(base: Base, skin: Skin, foot: Array) -> tuple[Array, float]:
 def _over(base: Base, points: Array) -> Array:
     """How far points `(..., 3)` mm lie outside the base's face, mm, about: exact where that is 0."""
     x, y, z = np.moveaxis(points, -1, 0)
-    radius, along, thick = base.curvature_radius, base.curvature_radius_y, base.thickness
+    radius, along, thick = base.curvature_radius, base.radius_y, base.thickness
     n = z - thick
-    if along is not None:
+    if math.isfinite(along):
         n = (y * y + n * n + 2 * along * n) / (along + np.hypot(y, n + along))
-    aside = x * x + y * y if base.round else x * x
+    aside = x * x + y * y * base.all_round
     over: Array = (aside + n * n + 2 * radius * n) / (radius + np.sqrt(aside + (n + radius) ** 2))
     return over

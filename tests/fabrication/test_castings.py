@@ -125,11 +125,11 @@ def ruined(job: Job, findings: list[Finding]) -> Iterator[str]:
             yield "a bond without a lock is not told of"
     if len(made[-1].wet) > 1 and "Raise end b" in steps["carrier"]:
         yield "raised while two layers flow"
-    if job.skin.symmetry == "revolved" and not re.search("every hole|down one side of every hole", text):
+    if job.skin.standing and not re.search("every hole|down one side of every hole", text):
         yield "pins are not brushed"
-    if job.skin.symmetry == "concentric" and "brush" not in steps:
+    if job.skin.family == "ring" and "brush" not in steps:
         yield "closed grooves are not brushed"
-    if (job.gate is None or job.skin.symmetry == "revolved") and "vacuum" not in steps:
+    if (job.gate is None or job.skin.standing) and "vacuum" not in steps:
         yield "an open trough without a vacuum"
     if "Draw the core pins out of plug" in text:
         yield "core pins as pistons"
@@ -220,9 +220,9 @@ def out_of_place(job: Job) -> Iterator[str]:
     text = " ".join(sheet_steps(job).values())
     if job.skin.slot is None and re.search(r"\bstrips?\b|\bshims?\b|\bcombs?\b", text):
         yield "strips, shims or combs in a skin without slots"
-    if job.skin.symmetry == "revolved" and "into all grooves" in text:
+    if job.skin.standing and "into all grooves" in text:
         yield "grooves of pins"
-    if job.skin.symmetry == "none" and re.search(r"crest|grooves", text.replace("runs over the grooves", "")):
+    if job.skin.bare and re.search(r"crest|grooves", text.replace("runs over the grooves", "")):
         yield "crests or grooves of a face"
     if not job.closed.of(PartRole.CORE_PIN) and "core pin" in text.lower():
         yield "core pins of a skin without pockets"

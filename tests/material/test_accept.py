@@ -304,6 +304,7 @@ def test_what_it_cannot_judge_is_refused(
         ),
         ("plain-ridges", "contact.plate.shape=cylinder", "contact.plate.shape: must be flat or tilted"),
         ("pillars-9", "contact.plate.shape=tilted", "contact.plate.shape: must be flat for pins"),
+        ("pillars-9", "contact.plate.shape=cylinder", "contact.plate.shape: must be flat for pins"),
     ],
 )
 def test_skins_and_plates_without_curves_are_refused(design: str, settings: str, words: str) -> None:

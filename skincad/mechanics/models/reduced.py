@@ -119,7 +119,7 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
         progress("reduced model: a short pad of the same features")
     model = feature_model(design, request.force, seconds).lowered(request.crest_offsets)
     began = perf_counter()
-    pins = skin_of(design).symmetry == "revolved"
+    pins = skin_of(design).family == "pin"
     with one_blas_thread() if pins else nullcontext():  # on a busy machine more take ten times as long
         forces, approach = pressed(model, request.force)
         first = all_touch_force(model)
@@ -171,7 +171,7 @@ def feature_model(
     design: Design, force: float, seconds: dict[str, float], *, ends: bool = True
 ) -> FeatureModel:
     """Return the reduced pad of a design for forces of about `force` N; without `ends` in plane strain."""
-    if skin_of(design).symmetry == "revolved":
+    if skin_of(design).standing:
         began = perf_counter()
         model = pin_model(design)
         seconds["cell"] = perf_counter() - began
@@ -393,10 +393,8 @@ def _through_base(design: Design, cells: PinCells) -> tuple[Index, Index, Array,
 
 def base_thicknesses(design: Design) -> Array:
     """Return the base's thickness under each feature `(n,)` mm, before the second curvature's turn."""
-    skin, base = skin_of(design), design.skin
-    if base.round:
-        return np.array([placed.foot[2] for placed in skin.placed])
-    along = np.array([at.u for at in places(base, design.features)])
+    base = design.skin
+    along = np.array([base.arm(at.u, at.v) for at in places(base, design.features)])
     return np.asarray(
         base.thickness - 2 * base.curvature_radius * np.sin(along / base.curvature_radius / 2) ** 2
     )

@@ -16,6 +16,7 @@ from time import perf_counter
 from skincad.base.errors import InputError, did_you_mean, resource_guard
 from skincad.base.progress import Progress
 from skincad.inputs.design import Design
+from skincad.inputs.skin_tables import RADIUS_Y
 from skincad.mechanics.left_out import FINITE_STRAIN, FREE_ENDS
 from skincad.mechanics.problem import Answer, Request
 from skincad.shape.skin import Body, skin_of
@@ -122,7 +123,7 @@ def _unsupported(name: str, design: Design, measured: bool) -> Iterator[str]:
         yield f"contact.plate.shape: must be 'flat' for {what}"
     if missing == "bent":
         words = f"must not be given for the {name} model, which takes the skin as straight along y"
-        yield f"skin.curvature_radius_y: {words}"
+        yield f"{RADIUS_Y}: {words}"
     one_section = name == "reduced" and skin.family == "ridge"
     if one_section and skin.uneven:
         yield "ridge.heights: must be alike for the reduced model"

@@ -46,6 +46,10 @@ APPROACH_ERROR, PER_RIDGE = 0.45, 1.1  # of the approach, and by the number of r
 SHARE_ERROR = 0.5  # of the mean share
 # The same for a skin curved along y, against a straight solid under the same gaps, small strain
 DOUBLY_THRESHOLD_ERROR, DOUBLY_APPROACH_ERROR, DOUBLY_SHARE_ERROR = 1.2, 0.6, 0.3
+USUAL = {
+    "straight": (THRESHOLD_ERROR, 0.0, SHARE_ERROR),
+    "bent": (DOUBLY_THRESHOLD_ERROR, DOUBLY_APPROACH_ERROR, DOUBLY_SHARE_ERROR),
+}
 
 # Stiffening of a shared base: constant, and per thickness in widths
 BASE_COUPLING, COUPLING_PER_THICKNESS = 1.0, 3.0
@@ -144,22 +148,19 @@ def half_widths(
     ridges carry, each by the share of its length, `last` mm the depth of the first when the last one touches.
     """
     skin = skin_of(design)
-    doubly = design.skin.curvature_radius_y is not None
+    usual = USUAL[skin.body]
     base, column = compliances(design)
     most, give = int(np.argmax(line)), base + column
     # a force of the smallest number there is moves nothing
     tips = tip_approach(design, most, float(line[most])) / approach if approach > 0 else 0.0
     at_last = tip_approach(design, most, last / give) / last if last > 0 else 0.0
     stiffer = stiffening(design, at_last * give, skin.count)
-    usual = DOUBLY_THRESHOLD_ERROR if doubly else THRESHOLD_ERROR
-    threshold = max(usual, STIFFENING_MARGIN * (stiffer - 1), at_last / (1 + at_last))
+    threshold = max(usual[0], STIFFENING_MARGIN * (stiffer - 1), at_last / (1 + at_last))
     few = APPROACH_ERROR + PER_RIDGE / skin.count
-    usual = max(DOUBLY_APPROACH_ERROR, few) if doubly else few
     base_factor = stiffening(design, tips * give, carrying)
-    reached = max(usual, APPROACH_MARGIN + tips, 1 - 1 / base_factor)
-    share = DOUBLY_SHARE_ERROR if doubly else SHARE_ERROR
+    reached = max(usual[1], few, APPROACH_MARGIN + tips, 1 - 1 / base_factor)
     stiffest = max(1 + threshold, STIFFENING_MARGIN * base_factor)
-    return (threshold, reached, share), (stiffest, 1 / (1 + max(reached, at_last)))
+    return (threshold, reached, usual[2]), (stiffest, 1 / (1 + max(reached, at_last)))
 
 
 def share_error(usual: float, shares: Array, others: list[Array]) -> float:
@@ -198,11 +199,15 @@ def crest_gaps(design: Design) -> Array:
 def crest_depths(design: Design) -> Array:
     """Return how far each crest is from a plate that touches the highest ridge on the axis, were there one:
     fall of the base circle, rise of the plate, lack of height, `(ridges,)` mm."""
+    heights = np.array(skin_of(design).heights)
+    return np.asarray(_falls(design) + plate_rises(design) + heights.max() - heights)
+
+
+def _falls(design: Design) -> Array:
+    """By how much each crest lies lower than one in the middle `(ridges,)` mm."""
     skin = skin_of(design)
-    heights = np.array(skin.heights)
-    radius = design.skin.curvature_radius + heights
-    lean = np.array(skin.leans)
-    return np.asarray(2 * radius * np.sin(lean / 2) ** 2 + plate_rises(design) + heights.max() - heights)
+    radius = skin.base.curvature_radius + np.array(skin.heights)
+    return np.asarray(2 * radius * np.sin(np.array(skin.leans) / 2) ** 2)
 
 
 def plate_rises(design: Design) -> Array:
@@ -222,8 +227,8 @@ def line_forces(design: Design, approach: float, factor: float = 1.0) -> Array:
     """Return each ridge's force, N, `(ridges,)` at an approach in mm after the first touch, springs being
     stiffer by `factor`."""
     depth = np.maximum(approach - crest_gaps(design), 0.0)
-    stiffness, radius = stiffnesses(design, factor), design.skin.curvature_radius_y
-    if radius is None:
+    stiffness, radius = stiffnesses(design, factor), design.skin.radius_y
+    if not _end_angle(design):
         return np.asarray(stiffness * depth)
     arm, reach = _crest_arms(design), _contact_angles(design, depth)
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
@@ -240,10 +245,7 @@ def stiffnesses(design: Design, factor: float = 1.0) -> Array:
 
 def _crest_arms(design: Design) -> Array:
     """Distance of each crest from the axis of the second curvature, `(ridges,)` mm."""
-    skin, height = design.skin, np.array(skin_of(design).heights)
-    lean = np.array(skin_of(design).leans)
-    fall = 2 * (skin.curvature_radius + height) * np.sin(lean / 2) ** 2
-    return np.asarray(skin.radius_y + height - fall)
+    return np.asarray(design.skin.radius_y + np.array(skin_of(design).heights) - _falls(design))
 
 
 def _contact_angles(design: Design, depth: Array) -> Array:
@@ -253,14 +255,14 @@ def _contact_angles(design: Design, depth: Array) -> Array:
 
 
 def _end_angle(design: Design) -> float:
-    """Angle, rad, from a curved skin's middle to its end."""
+    """Angle along y, rad, from the skin's middle to its end: 0 of a straight one."""
     return design.skin.length / 2 / design.skin.radius_y
 
 
 def _approach(design: Design, force: float, factor: float = 1.0) -> float:
     """The approach, mm, at which the ridges carry `force` N: their sum grows with it without bound."""
     stiffness = factor * ridge_stiffness(design)
-    if design.skin.curvature_radius_y is None:
+    if not _end_angle(design):
         gaps, times = crest_gaps(design), relative_stiffness(design)
         first = np.argsort(gaps, kind="stable")
         order, all_of = gaps[first], np.cumsum(times[first])
@@ -283,11 +285,11 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
         progress("winkler model: closed form")
     started, force = perf_counter(), request.force
     gaps, approach = crest_gaps(design), _approach(design, force)
-    doubly, last = design.skin.curvature_radius_y is not None, float(gaps.max())
+    end, last = _end_angle(design), float(gaps.max())
     threshold = all_touch_force(design)
     shares = line_forces(design, approach)
     depth = np.maximum(approach - gaps, 0.0)
-    touched = _contact_angles(design, depth) / _end_angle(design) if doubly else depth > 0
+    touched = _contact_angles(design, depth) / end if end else depth > 0
     line = depth * relative_stiffness(design) / math.fsum(compliances(design))
     carrying = float(touched.sum())
     widths, factors = half_widths(design, line, approach, carrying, last)
@@ -310,7 +312,7 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
         residual=abs(float(shares.sum()) / force - 1),
         seconds={"contact": perf_counter() - started},
         warnings=tuple(_left_out(design, approach)),
-        fault=_out_of_range(design, min(approach, last or approach)) if doubly else "",
+        fault=_out_of_range(design, min(approach, last or approach)) if end else "",
     )
 
 
@@ -326,13 +328,12 @@ def _step_moved(design: Design) -> Iterator[Design]:
 
 
 def _left_out(design: Design, approach: float) -> Iterator[str]:
-    if design.skin.curvature_radius_y is None:
-        yield "winkler model: ridges are taken as independent springs; slots and film are left out"
-        return
     slope = _end_slope(design, approach)
-    yield "winkler model: ridges are taken as rows of independent springs; slots and film are left out"
-    off = f"that is {slope**2 / 2:.1%} off"
-    yield f"contact is taken as vertical: with slopes of up to {slope:.2g} along y {off}"
+    springs = "rows of independent springs" if slope else "independent springs"
+    yield f"winkler model: ridges are taken as {springs}; slots and film are left out"
+    if slope:
+        off = f"that is {slope**2 / 2:.1%} off"
+        yield f"contact is taken as vertical: with slopes of up to {slope:.2g} along y {off}"
 
 
 def _out_of_range(design: Design, approach: float) -> str:

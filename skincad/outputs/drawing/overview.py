@@ -15,6 +15,7 @@ from skincad.outputs.drawing.marks import Ink, Mark, Sheet, Words, linear, recta
 from skincad.outputs.drawing.part_views import ViewPlacement
 from skincad.shape.curves import polygon
 from skincad.shape.skin import pictured_section, section, skin_of, summit
+from skincad.solids.kind import kind_of
 from skincad.solids.mold import ClosedMold
 from skincad.solids.plan import (
     CAVITIES,
@@ -41,10 +42,10 @@ def drawing(design: Design, closed: ClosedMold) -> str:
 
 def overview(design: Design, closed: ClosedMold) -> Sheet:
     """Return the drawing's sheet."""
-    bent = design.skin.curvature_radius_y is not None
     which = f"{display_name(design)}, revision {design.revision}"
     title = f"{which}: all lengths in mm, silicone {design.material.name or 'own'}"
-    marks = [*_section_view(design), *_ridge_view(design), *(_bent_view if bent else _mold_view)(closed)]
+    mold_view = _bent_view if kind_of(design).leans else _mold_view
+    marks = [*_section_view(design), *_ridge_view(design), *mold_view(closed)]
     words = Words(title, (5.0, 4.0), TEXT, "TEXT")
     return Sheet(f"{design.name}: drawing", PAGE, 1.0, (*marks, words))
 
@@ -58,10 +59,11 @@ def _section_view(design: Design) -> list[Mark]:
     radius = f"R {skin.curvature_radius:g}, {placed.counted}{pitch}"
     if placed.uneven:
         radius += f", {min(placed.heights):.4g} to {max(placed.heights):.4g} high"
-    if skin.curvature_radius_y is not None:
-        radius += f"; R {skin.curvature_radius_y:g} along y"
-    along = "along the ridges " if placed.symmetry == "extruded" else "along y "
-    words = "turns about its middle" if skin.round else f"length {along}{skin.length:g}"
+    kind, words = kind_of(design), f"length along {placed.form.way} {skin.length:g}"
+    if kind.leans:
+        radius += f"; R {skin.radius_y:g} along y"
+    if not kind.ends:
+        words = "turns about its middle"
     return [
         _ring(view, pictured_section(design, CHORD), "SKIN"),
         *(_ring(view, polygon(slot.loop(), CHORD), "SLOTS") for slot in shape.slots),
@@ -79,8 +81,8 @@ def _ridge_view(design: Design) -> list[Mark]:
     if skin.bare:
         return []
     ridge, number = skin.profile, (skin.count + 1) // 2
-    if skin.symmetry == "revolved":  # the pin that the section above shows nearest to its middle
-        number = min(skin.placed, key=lambda p: (abs(p.y), abs(p.frame.origin.x))).number
+    if skin.standing:  # the pin that the section above shows nearest to its middle
+        number = min(skin.standing, key=lambda p: (abs(p.y), abs(p.frame.origin.x))).number
     height = skin.heights[number - 1]
     ridge_frame = skin.placed[number - 1].frame
     reach = 1.3 * max(ridge.root_width / 2 + ridge.root_fillet, skin.slot.offset if skin.slot else 0.0)

@@ -73,7 +73,7 @@ def scene_figure(simulation: Simulation) -> Picture:
     ridge begins to slip for good. Of a skin without films, the share of the contact that slips stands in the
     signals' place; of pins, a map (`_pin_figure`).
     """
-    if skin_of(simulation.scene.design).symmetry == "revolved":
+    if skin_of(simulation.scene.design).standing:
         return _pin_figure(simulation)
     groups = ridge_groups(list(simulation.signals))
     shares = not groups and bool(simulation.scene.timed)
@@ -292,17 +292,19 @@ def _slip_map(axes: Axes, simulation: Simulation) -> None:
     slipping: Mask = march.column("slips") > 0
     if bare:  # points are in the order of their places, and what each stands for adds up to its edge
         swept = np.append(0.0, np.cumsum(march.area))
-        rows = np.sqrt(swept / np.pi) if skin.round else (swept - swept[-1] / 2) / skin.length
+        rows, place = (swept - swept[-1] / 2) / skin.length, "x, mm"
+        if skin.round:
+            rows, place = np.sqrt(swept / np.pi), "from the middle, mm"
     else:
         by_ridge = (touching[:, march.ridge == r] for r in range(1, count + 1))
         touching = np.column_stack([places.any(axis=1) for places in by_ridge])
-        rows, slipping = np.arange(count + 1) + 0.5, simulation.slipping
+        rows, place = np.arange(count + 1) + 0.5, skin_of(simulation.scene.design).family
+        slipping = simulation.slipping
     state = touching.astype(int) + (touching & slipping)
     time = milliseconds(simulation)
     edges = np.append(time - np.diff(time, prepend=0.0) / 2, time[-1]), rows
     axes.pcolormesh(*edges, state.T, cmap=ListedColormap([OPEN, STICK, SLIP]), vmin=0, vmax=2)
-    place = "from the middle, mm" if skin.round else "x, mm"
-    axes.set_ylabel(place if bare else skin_of(simulation.scene.design).family)
+    axes.set_ylabel(place)
     if not bare:
         axes.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=9))
     axes.grid(visible=False)

@@ -46,7 +46,7 @@ from skincad.mechanics.bodies.mesh import (
     unit_of,
 )
 from skincad.mechanics.bodies.prisms import graded
-from skincad.mechanics.problem import PVDF_DENSITY, Pad, pad_of
+from skincad.mechanics.problem import PVDF_DENSITY, Pad, solid_pad_of
 from skincad.outputs.simulators.links import touching, visual
 from skincad.outputs.simulators.models import exactly
 from skincad.shape import curves
@@ -144,16 +144,15 @@ class _Corners(NamedTuple):
 
 def _swept(design: Design, fineness: float) -> _Corners:
     """The section's triangles swept as the skin is: straight, about its second axis, or round."""
-    radius = design.skin.curvature_radius_y
-    pad = pad_of(design.with_(skin={"curvature_radius_y": None}))
+    pad = solid_pad_of(design)
     body = along_skin(design, pad.section.outline, ())
     turned = isinstance(body, TurnedBody)
     section_pad = piece_of(pad).pad if turned else pad
     sizes = section_sizes(section_pad, fineness)
     flat = plain_mesh(section_pad, sizes)
-    growth = 1.0 if radius else GROWTH  # contact of a doubly curved skin ends somewhere along y
+    growth = 1.0 if pad.bend else GROWTH  # contact of a doubly curved skin ends somewhere along y
     half = graded(design.skin.length / 2, OUTER_LAYER * height_of(pad) / fineness, growth)
-    levels = np.concatenate([-half[:0:-1], half]) / (radius or 1.0)
+    levels = np.concatenate([-half[:0:-1], half]) / (pad.bend.radius if pad.bend else 1.0)
     if turned:
         around = math.ceil(math.pi * design.skin.width / sizes.bulk)
         levels = np.linspace(0.0, 2 * math.pi, max(around, round(LEAST_AROUND * fineness)) + 1)
@@ -439,24 +438,22 @@ class HeightMap:
 
 def height_map(design: Design) -> HeightMap:
     """Return the heights of a skin, ridges included; of pins and of a round skin those of its visual mesh."""
-    skin, radius = design.skin, design.skin.curvature_radius_y
-    centre, angle = (0.0, 0.0) if radius is None else (skin.thickness - radius, skin.length / 2 / radius)
-    reach = skin.length / 2 if radius is None else (section(design).top - centre) * math.sin(angle)
+    skin, part = design.skin, skin_part(design)
+    bent = part.body if isinstance(part.body, RevolvedBody) else None
+    reach = (section(design).top - bent.centre) * math.sin(bent.high) if bent else skin.length / 2
     pixel = max(skin_of(design).pitch / PIXELS_PER_PITCH, max(skin.width, 2 * reach) / MAX_PIXELS)
     columns, rows = (max(1, math.floor(size / pixel)) for size in (skin.width, 2 * reach))
     x = (np.arange(columns) - (columns - 1) / 2) * pixel
     y = ((rows - 1) / 2 - np.arange(rows)) * pixel
-    part = skin_part(design)
     if part.adds or isinstance(part.body, TurnedBody):
         return HeightMap(_seen_from_above(visual(design)["skin"], x, y), pixel, (float(x[0]), float(y[0])))
     top = _tops(design, x)
-    if radius is None:
-        height = np.tile(top, (rows, 1))
-    else:
-        arm = top - centre
+    height = np.tile(top, (rows, 1))
+    if bent:
+        arm = top - bent.centre
         with np.errstate(invalid="ignore"):
-            height = centre + np.sqrt(arm**2 - y[:, None] ** 2)
-        height[np.abs(y)[:, None] > arm * math.sin(angle)] = np.nan
+            height = bent.centre + np.sqrt(arm**2 - y[:, None] ** 2)
+        height[np.abs(y)[:, None] > arm * math.sin(bent.high)] = np.nan
     return HeightMap(height, pixel, (float(x[0]), float(y[0])))
 
 

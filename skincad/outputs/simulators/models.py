@@ -55,8 +55,8 @@ def friction(design: Design) -> float:
 def skin_xml(design: Design, links: Links, springs: Springs) -> str:
     """Return the skin on its carrier as a model of its own, to be loaded, included or attached."""
     skin = skin_of(design)
-    of_features = {"extruded": (skin.pitch, design.skin.length), "revolved": (skin.pitch, skin.pitch)}
-    across, along = of_features.get(skin.symmetry, (design.skin.width, design.skin.length))
+    of_features = {"ridge": (skin.pitch, design.skin.length), "pin": (skin.pitch, skin.pitch)}
+    across, along = of_features.get(skin.family, (design.skin.width, design.skin.length))
     size = np.array([across, along, max(*skin.heights, 0.1 * design.skin.thickness)]) * M
     tips = crests(design).poses[:, :, 3]
     bodies = []

@@ -132,7 +132,7 @@ def springs(design: Design, model: str = "auto", progress: Progress | None = Non
     verdict = check(design, model=model, progress=progress)
     if verdict.out_of_range:
         raise RefusedError(f"no springs: {verdict.out_of_range}; take a smaller contact.force")
-    if skin_of(design).symmetry == "revolved":
+    if skin_of(design).standing:
         nominal = _of_pins(design, verdict)
     else:
         nominal = _fit(design, verdict, _reduced(design, verdict.force, progress))

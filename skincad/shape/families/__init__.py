@@ -2,7 +2,8 @@
 
 A family's file has `place(design)`, which returns its features on the skin, and `without_fillets(design)`. To
 add one: its table in `inputs/feature_tables.py`, that table's key in a design, its file here, its line in
-FAMILIES. Solids, mechanics, scenes and pictures ask for a feature's symmetry, not for its family.
+FAMILIES. Solids, mechanics, scenes and pictures read what a family has in common, its
+`Form` in `shape/feature.py`.
 """
 
 from __future__ import annotations

@@ -19,7 +19,6 @@ def place(design: Design) -> tuple[Placed, ...]:
         crown=0.0,
         root_fillet=0.0,
         tip_fillet=0.0,
-        symmetry="none",
     )
     top = Frame(Point(0.0, design.skin.thickness), Point(1.0, 0.0), Point(0.0, 1.0))
     return (Placed(face, top, 1, 0.0, (), design.skin.area / width),)

@@ -15,7 +15,7 @@ from skincad.inputs.feature_tables import places
 from skincad.inputs.skin_tables import Base
 from skincad.shape.curves import Point
 from skincad.shape.families.ridges import profiles, without_fillets
-from skincad.shape.feature import ROD, Feature, Frame, Placed
+from skincad.shape.feature import Feature, Frame, Placed
 
 __all__ = ["place", "without_fillets"]
 
@@ -26,19 +26,13 @@ def place(design: Design) -> tuple[Placed, ...]:
     """Return the design's pins on its skin, in the order of `places`. Raises InputError where one has no
     shape."""
     # a pin stands on the plane that touches the base at its foot
-    features = profiles(design, math.inf, "revolved", ROD)
+    features = profiles(design, math.inf)
     where = places(design.skin, design.features)
     plan = np.array([complex(at.u, at.v) for at in where])
     near = [np.flatnonzero(np.abs(plan - at) <= NEIGHBOURS * design.spacing).tolist() for at in plan]
     return tuple(
-        _placed(
-            design.skin,
-            feature,
-            number,
-            (at.u, at.v),
-            tuple(n + 1 for n in near[number - 1] if n != number - 1),
-        )
-        for number, (feature, at) in enumerate(zip(features, where, strict=True), 1)
+        _placed(design.skin, feature, number, (at.u, at.v), tuple(n + 1 for n in beside if n != number - 1))
+        for number, (feature, at, beside) in enumerate(zip(features, where, near, strict=True), 1)
     )
 
 
@@ -47,25 +41,16 @@ def _placed(
 ) -> Placed:
     """A pin at arcs (u, v): the section's point at u, moved along y by v or turned by its angle; on a round
     skin at the arc from the middle, in the direction of (u, v)."""
-    (u, v), radius, along = at, skin.curvature_radius, skin.curvature_radius_y
-    if skin.round:
-        arc = math.hypot(u, v)
-        lean, way = arc / radius, (u / arc, v / arc) if arc else (1.0, 0.0)
-        out, up = math.sin(lean), math.cos(lean)
-        foot = (
-            radius * out * way[0],
-            radius * out * way[1],
-            skin.thickness - 2 * radius * math.sin(lean / 2) ** 2,
-        )
-        axis = out * way[0], out * way[1], up
-    else:
-        lean = u / radius
-        low = skin.thickness - 2 * radius * math.sin(lean / 2) ** 2
-        foot, axis = (radius * math.sin(lean), v, low), (math.sin(lean), 0.0, math.cos(lean))
-        if along is not None:
-            turn, arm = v / along, along - skin.thickness + low
-            foot = foot[0], arm * math.sin(turn), low - 2 * arm * math.sin(turn / 2) ** 2
-            axis = axis[0], axis[2] * math.sin(turn), axis[2] * math.cos(turn)
+    (u, v), radius, along = at, skin.curvature_radius, skin.radius_y
+    arc, all_round = skin.arm(u, v), skin.all_round
+    x, y = (u / arc, all_round * v / arc + 0.0) if arc else (1.0, 0.0)  # the way in which it leans
+    out, low = math.sin(arc / radius), skin.thickness - 2 * radius * math.sin(arc / radius / 2) ** 2
+    foot = radius * out * x, radius * out * y + (1 - all_round) * v, low
+    axis = out * x, out * y, math.cos(arc / radius)
+    if math.isfinite(along):
+        turn, arm = v / along, along - skin.thickness + low
+        foot = foot[0], arm * math.sin(turn), low - 2 * arm * math.sin(turn / 2) ** 2
+        axis = axis[0], axis[2] * math.sin(turn), axis[2] * math.cos(turn)
     tilt = math.hypot(axis[0], axis[1])
     frame = Frame(Point(foot[0], foot[2]), Point(axis[2], -axis[0]), Point(axis[0], axis[2]))
     lean, long = math.atan2(tilt, axis[2]), math.pi / 4 * feature.mean_width

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,23 +16,19 @@ from skincad.base.errors import InputError
 from skincad.inputs.design import Design
 from skincad.inputs.feature_tables import Flat, Pin, Ridge
 from skincad.shape.curves import Point, Segment, concentric_hit, rise
-from skincad.shape.feature import BAR, Column, Feature, Frame, Placed, SensorPlace, Side, Symmetry
+from skincad.shape.feature import Feature, Frame, Placed, SensorPlace, Side
 
 ProfileTable = Ridge | Pin
 
 
 def place(design: Design) -> tuple[Placed, ...]:
-    """Return the design's ridges on its skin, ridge 1 at the smallest x. Raises InputError as `in_a_row`."""
-    return in_a_row(design, "extruded")
-
-
-def in_a_row(design: Design, symmetry: Symmetry) -> tuple[Placed, ...]:
-    """Return features side by side in the section, each on its own normal of the base circle.
+    """Return the design's ridges, or rings where the section's half at +x crosses them, side by side from the
+    smallest x, each on its own normal of the base circle.
 
     Raises InputError where one has no shape, or neighbours no room.
     """
     radius = design.skin.curvature_radius
-    features = profiles(design, radius, symmetry)
+    features = profiles(design, radius)
     _check_roots(design, features)
     placed = []
     for number, feature in enumerate(features, 1):
@@ -46,14 +41,14 @@ def in_a_row(design: Design, symmetry: Symmetry) -> tuple[Placed, ...]:
     return tuple(placed)
 
 
-def profiles(design: Design, radius: float, symmetry: Symmetry, column: Column = BAR) -> list[Feature]:
+def profiles(design: Design, radius: float) -> list[Feature]:
     """Return each feature of the design on a base of a `radius` mm, drawn once for each height. Raises
     InputError for one without a shape."""
     drawn: dict[float, Feature] = {}
     for number, height in enumerate(design.heights, 1):
         if height not in drawn:
             try:
-                drawn[height] = replace(_profile(design, radius, height), symmetry=symmetry, column=column)
+                drawn[height] = _profile(design, radius, height)
             except InputError as broken:
                 if not design.uneven:
                     raise
@@ -158,9 +153,8 @@ def _half_profile(ridge: ProfileTable, radius: float, height: float) -> list[Poi
     base = centre - [0.0, r] if flat else centre * radius / (radius + r) - [0.0, r * radius / (radius + r)]
     r, curvature = ridge.tip_fillet, crown_curvature
     if curvature * r >= 1:
-        raise InputError(
-            f"{name}.tip_fillet", f"must be less than {1 / curvature:.4g} mm (the crown's radius)", r
-        )
+        rule = f"must be less than {1 / curvature:.4g} mm (the crown's radius)"
+        raise InputError(f"{name}.tip_fillet", rule, r)
     hit = concentric_hit(edge - r * out - summit, along, curvature, curvature * r * r / 2 - r)
     v = hit if r else 0.0
     if v is None:
@@ -168,16 +162,12 @@ def _half_profile(ridge: ProfileTable, radius: float, height: float) -> list[Poi
     high, inner = edge + v * along, edge - r * out + v * along - summit
     crown = (inner + np.array([0.0, r])) / (1 - curvature * r) + summit
     if u > size + v:
-        raise InputError(
-            f"{name}.root_fillet",
-            f"root and tip fillet need {u - v:.4g} mm of a flank of {size:.4g} mm",
-            ridge.root_fillet,
-            "take smaller fillets or a higher ridge",
-        )
+        rule = f"root and tip fillet need {u - v:.4g} mm of a flank of {size:.4g} mm"
+        remedy = "take smaller fillets or a higher ridge"
+        raise InputError(f"{name}.root_fillet", rule, ridge.root_fillet, remedy)
     if crown[0] < 0:
-        raise InputError(
-            f"{name}.tip_fillet", "the two tip fillets overlap on the axis", r, "take a smaller one"
-        )
+        rule = "the two tip fillets overlap on the axis"
+        raise InputError(f"{name}.tip_fillet", rule, r, "take a smaller one")
     # without a fillet its two ends are one corner: 1e-17 mm between them would be an edge that crosses others
     base, low = (base, low) if ridge.root_fillet else (root, root)
     high, crown = (high, crown) if ridge.tip_fillet else (edge, edge)

@@ -9,7 +9,8 @@ import math
 from dataclasses import replace
 
 from skincad.inputs.design import Design
-from skincad.shape.families.ridges import in_a_row, without_fillets
+from skincad.shape.families import ridges
+from skincad.shape.families.ridges import without_fillets
 from skincad.shape.feature import Placed
 
 __all__ = ["place", "without_fillets"]
@@ -21,5 +22,4 @@ def place(design: Design) -> tuple[Placed, ...]:
 
     Raises InputError where a ring has no shape, or neighbours no room.
     """
-    rings = in_a_row(design, "concentric")
-    return tuple(replace(ring, long=2 * math.pi * ring.summit.x) for ring in rings)
+    return tuple(replace(ring, long=2 * math.pi * ring.summit.x) for ring in ridges.place(design))
