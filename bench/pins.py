@@ -109,7 +109,7 @@ def press(
     return np.asarray((forces * whole[:, None])[:, like]), rises[:, like]
 
 
-def _middle(design: Design, pin: int) -> NDArray[np.float64]:
+def middle(design: Design, pin: int) -> NDArray[np.float64]:
     """The middle of a pin's magnet, mm."""
     return np.array([*skin_of(design).placed[pin - 1].tip[:2], sum(design.features.pocket.magnet_span) / 2])
 
@@ -119,7 +119,7 @@ def _in_magnets(design: Design, points: NDArray[np.float64]) -> NDArray[np.bool_
     pocket = design.features.pocket
     if pocket is None or pocket.magnet is None:
         return np.zeros((len(points), 1), dtype=bool)
-    away = points[:, None] - [_middle(design, pin) for pin in range(1, skin_of(design).count + 1)]
+    away = points[:, None] - [middle(design, pin) for pin in range(1, skin_of(design).count + 1)]
     wide, long = pocket.magnet.diameter / 2 + EDGE, pocket.magnet.length / 2 + EDGE
     return (np.hypot(away[..., 0], away[..., 1]) < wide) & (np.abs(away[..., 2]) < long)
 
@@ -186,9 +186,14 @@ def _geometry(design: Design, size: float, planes: int) -> Iterator[str]:
             yield f"s0() = BooleanFragments{{ Volume{{s0()}}; Delete; }}{{ Volume{{s{number}()}}; Delete; }};"
     pocket = design.features.pocket
     for pin in range(1, skin_of(design).count + 1) if pocket and pocket.magnet else ():
-        x, y, z = _middle(design, pin)
+        x, y, z = middle(design, pin)
         low, long, wide = z - pocket.magnet.length / 2, pocket.magnet.length, pocket.magnet.diameter / 2
+        if planes and min((x, y)[2 - planes :]) < -EDGE:
+            continue
         yield f"n = newv; Cylinder(n) = {{{x}, {y}, {low}, 0, 0, {long}, {wide}}};"
+        if planes:
+            yield f"m = newv; Box(m) = {{{box}}};"
+            yield "n = BooleanIntersection{ Volume{n}; Delete; }{ Volume{m}; Delete; };"
         yield "s0() = BooleanFragments{ Volume{s0()}; Delete; }{ Volume{n}; Delete; };"
     yield "Physical Volume(1) = {s0()};"
     for i, placed in enumerate(skin_of(design).placed, 1):
@@ -255,7 +260,7 @@ def _deck(
     yield from (
         f"{i}, {x:.12g}, {y:.12g}, {z:.12g}" for i, (x, y, z) in enumerate([*nodes.tolist(), *plate], 1)
     )
-    yield from _elements(mesh)
+    yield from elements(mesh)
     last = len(mesh.elements) + 1
     yield "*ELEMENT, TYPE=C3D8, ELSET=plate"
     yield ", ".join(str(n) for n in (last, *range(count + 1, count + 9)))
@@ -296,7 +301,8 @@ def _deck(
         yield "*NODE PRINT, NSET=apex, FREQUENCY=1000\nU\n*END STEP\n"
 
 
-def _elements(mesh: Tetrahedra) -> Iterator[str]:
+def elements(mesh: Tetrahedra) -> Iterator[str]:
+    """Yield CalculiX's lines of all elements, a set a shot."""
     for number in np.unique(mesh.shot).tolist():
         yield f"*ELEMENT, TYPE=C3D10, ELSET=shot{number}"
         for i in np.flatnonzero(mesh.shot == number).tolist():
@@ -457,7 +463,7 @@ def magnet_moves(
         sets = {"back": nodes[:, 2] < EDGE, "magnets": inside.any(axis=1)}
         deck = ["*NODE, NSET=all"]
         deck += [f"{i}, {x:.12g}, {y:.12g}, {z:.12g}" for i, (x, y, z) in enumerate(nodes.tolist(), 1)]
-        deck += _elements(mesh)
+        deck += elements(mesh)
         for which, ratio, number in ((young, poisson, 0), (RIGID * young, 0.3, MAGNET)):
             deck += [f"*MATERIAL, NAME=stuff{number}\n*ELASTIC\n{which!r}, {ratio!r}"]
             deck += [f"*SOLID SECTION, ELSET=shot{number}, MATERIAL=stuff{number}"]
@@ -482,7 +488,7 @@ def magnet_moves(
         way = {int(n) - 1: [float(u) for u in moved] for n, *moved in rows}
         for pin in range(len(placed)):
             numbers = np.flatnonzero(inside[:, pin])
-            arms = nodes[numbers] - _middle(design, pin + 1)
+            arms = nodes[numbers] - middle(design, pin + 1)
             rigid = np.concatenate([np.hstack([np.eye(3), np.cross(np.eye(3), arm).T]) for arm in arms])
             theirs[load, pin] = np.linalg.lstsq(rigid, np.concatenate([way[n] for n in numbers.tolist()]))[0]
     goes = magnetic_pins(design).goes

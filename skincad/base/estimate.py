@@ -77,6 +77,14 @@ class Estimate:
         between = f"whether {self} is above or below {float(number):g} {self.unit}"
         raise UnclearError(f"{between} is unclear; compare its value, lower or upper")
 
+    def within(self, lowest: float, highest: float) -> Estimate:
+        """Return what of the interval lies in a range, and its middle; itself where all of it does or is
+        unknown, the range's nearer end where nothing does."""
+        if self.lower is None or self.upper is None or lowest <= self.lower <= self.upper <= highest:
+            return self
+        low, high = (min(max(end, lowest), highest) for end in (self.lower, self.upper))
+        return Estimate((low + high) / 2, (high - low) / 2, self.unit)
+
     def as_json(self) -> dict[str, float | None]:
         """Return `{"value", "error"}`; the unit is the key's suffix."""
         return {"value": self.value, "error": self.error}

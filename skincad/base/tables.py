@@ -169,10 +169,11 @@ def _holder(model: type[BaseModel], path: tuple[str, ...]) -> type[BaseModel]:
 
 def _telling(errors: list[ErrorDetails]) -> list[ErrorDetails]:
     """The errors in the order of their report: unknown keys first, and no key as missing in a table
-    with an unknown one, as which it is most often misspelt."""
+    with an unknown one, as which it is most often misspelt; no list as short for its faulty items."""
     unknown = [e for e in errors if e["type"] == "extra_forbidden"]
     tables = {e["loc"][:-1] for e in unknown}
-    rest = [e for e in errors if e["type"] != "extra_forbidden"]
+    faulty = {(e["loc"][:depth], "too_short") for e in errors for depth in range(len(e["loc"]))}
+    rest = [e for e in errors if e["type"] != "extra_forbidden" and (e["loc"], e["type"]) not in faulty]
     return unknown + [e for e in rest if e["type"] != "missing" or e["loc"][:-1] not in tables]
 
 

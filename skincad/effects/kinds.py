@@ -195,7 +195,8 @@ class Observables:
     in the step; `residual` relative. With masses `kinetic` mJ, of viscous parts `viscous` mJ dissipated in
     the step; `work` mJ is what drives the plate did in the step, None where the plate's forces tell it.
     `drift` is given by a pad that is linear between chosen steps; `fold` says where the surface folds; `tips`
-    `(pins, 3)` N are the plate's forces on pins along x, y and z, None of other features.
+    `(pins, 3)` N are the plate's forces on pins along x, y and z, None of other features; `magnets` gives
+    what finite strain adds to how pins' magnets go under such forces.
     """
 
     normal: float
@@ -214,6 +215,7 @@ class Observables:
     drift: Drift | None = None
     fold: str | None = None
     tips: Array | None = None
+    magnets: Callable[[Array], Array] | None = None
 
     @classmethod
     def of(cls, contact: ContactState, films: Array, elastic: float, dissipated: float, **more: Any) -> Self:

@@ -1,7 +1,8 @@
 """Magnets in the pins, read by magnetometers under the skin: fields, and the forces and slips that they tell.
 
 The field is exact for the magnets where the forces on the tips have put them (mechanics/magnetics.py), with
-the sway of a pressed pin on top (mechanics/contact/tips.py). A sensor takes samples at its rate, from the
+the sway of a pressed pin on top (mechanics/contact/tips.py), or what a pin at finite strain does more
+(mechanics/models/pin_body.py). A sensor takes samples at its rate, from the
 start on; a step shows the last one, with noise, rounding and the range's end. Forces follow from all readings
 by least squares and the skin's own model; the field of the unloaded skin is known from before. A slip is told
 where a pin's pull stays behind its share of the whole pull by more than noise may.
@@ -11,13 +12,14 @@ Range: that of pins in a scene (effects/pin_pad.py); sensors without lag, offset
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
 from skincad.base.arrays import Array, Mask
-from skincad.base.errors import InputError
+from skincad.base.errors import InputError, RefusedError
 from skincad.effects.kinds import Observables, Reader, ReaderContext
 from skincad.inputs.design import Design
 from skincad.inputs.feature_tables import Magnetometer
@@ -25,7 +27,9 @@ from skincad.mechanics.magnetics import MagneticPins, force_noise, magnetic_pins
 
 AXES = "x", "y", "z"
 SURE, FALLS = 4.0, 0.05  # times its noise, and of its share, by which a pull stays behind in a slip
-CORRECTIONS = 6  # of forces, by a fixed map: an error of a third is then below 0.002
+# Corrections of forces, by a slope that a step changes by little, until the last is so much of the largest
+SETTLED, MOST_CORRECTIONS = 1e-6, 60
+NUDGE = 1e-5  # N, of a central difference
 SWAYS = 0.9  # most of a pin's stiffness that a press is let take, where noise makes forces too large
 PULLED, FAINT = 10.0, 0.1  # times its noise, and of its largest, the pull from which on its shares count
 AVERAGED = 10  # samples: a mean of them has a third of the noise, and is half as many late
@@ -46,38 +50,37 @@ class Magnetometers(Reader):
 
     def read(self, watched: ReaderContext, time: Array, readings: Sequence[Observables]) -> Mapping[str, Any]:
         """Return `field_mT` by sensor and `pin_force_N` by pin, each along x, y and z, the force of the plate
-        on the pin; its largest error against the march, N; and the step from which the readings tell each
-        pin's slip, None for none."""
+        on the pin. Its largest errors: against the march, N, by noise, rounding and what is not linear; and
+        by what the map itself may be off, way, tilt and remanence of each magnet. And the step from which the
+        readings tell each pin's slip, None for none."""
         from skincad.effects.pin_pad import pin_pad
 
         sensors, pins = watched.design.magnetometer, magnetic_pins(watched.design)
         assert sensors is not None  # as it is checked
-        tips, soften = np.array([reading.tips for reading in readings]), pin_pad(watched.design).tips.soften
+        tips, sways = np.array([reading.tips for reading in readings]), pin_pad(watched.design).tips.sway
 
-        def fields(forces: Array) -> Array:
-            """The sensors' fields `(..., s, 3)` mT under forces on tips; a pressed pin sways the more."""
-            sway = 1 - np.clip(-forces[..., 2] * soften, 0.0, SWAYS)
-            bending = forces / np.stack([sway, sway, np.ones_like(sway)], axis=-1)
-            return np.array([pins.fields(pins.poses(load)).sum(axis=1) for load in bending])
+        def further(load: Array, reading: Observables) -> Array:
+            """How much further than the map says magnets go under forces on tips, near those of a state."""
+            if reading.magnets:
+                return reading.magnets(load)
+            sway = 1 - np.minimum(sways(-load[:, 2]), SWAYS)  # a pressed pin sways the more
+            return pins.poses(load / np.stack([sway, sway, np.ones_like(sway)], axis=1) - load)
 
-        field = fields(tips)
+        moves = [pins.poses(load) + further(load, at) for load, at in zip(tips, readings, strict=True)]
+        field = np.array([pins.fields(poses).sum(axis=1) for poses in moves])
         seen = sampled(field, time, sensors, self.noise_seed)
         beyond = np.abs(field).max(axis=(0, 2)) > sensors.range
-        estimates = force_estimates(seen, fields, pins, sensors, ~beyond)
-        bent = any(reading.drift is not None for reading in readings)
-        further = (
-            "at finite strain tips go further than the map of magnets knows, by a sixth on magnet-pillars"
-        )
-        notes = [further] * bent + [
-            f"sensor {i + 1} leaves its range of {sensors.range:g} mT" for i in np.flatnonzero(beyond)
-        ]
+        notes = [f"sensor {i + 1} leaves its range of {sensors.range:g} mT" for i in np.flatnonzero(beyond)]
         forces: dict[str, Any] = {"magnet_slip_step": [None] * len(pins.middle)}
-        if estimates is None:
-            notes.append("the sensors within their range are too few to tell the forces on all pins")
+        try:
+            estimates = force_estimates(seen, readings, pins, further, sensors, ~beyond)
+        except RefusedError as refusal:
+            notes.append(str(refusal))
         else:
             forces = {
                 "pin_force_N": _by_number(estimates.forces),
                 "pin_force_error_N": float(np.abs(estimates.forces - tips).max()),
+                "pin_force_map_error_N": estimates.error,
                 "pin_force_noise_N": estimates.floor.tolist(),
                 "magnet_slip_step": slip_steps(estimates, time, sensors.rate),
             }
@@ -106,27 +109,55 @@ def sampled(field: Array, time: Array, sensors: Magnetometer, seed: int | None) 
 
 class ForceEstimates(NamedTuple):
     """The `forces` on tips `(steps, n, 3)` N that readings tell, their noise rms, the `floor` `(n, 3)` N, and
-    that of the whole `pull` along x, N."""
+    that of the whole `pull` along x, N; and the largest `error` by what the map is off, N."""
 
     forces: Array
     floor: Array
     pull: float
+    error: float
 
 
 def force_estimates(
-    seen: Array, fields: Callable[[Array], Array], pins: MagneticPins, sensors: Magnetometer, within: Mask
-) -> ForceEstimates | None:
-    """Return the forces that readings `(steps, s, 3)` mT of the sensors `within` `(s,)` their range tell, if
-    they do: by the map of an unloaded skin, and by it again for what `fields` of these forces are off."""
-    slope = pins.slope(np.zeros((len(pins.middle), 6))) * np.repeat(within, 3)[:, None]
-    floor, _, condition = force_noise(slope, sensors, within)
-    if condition is None:
-        return None
-    inverse, forces = np.linalg.pinv(slope), np.zeros((len(seen), len(pins.middle), 3))
-    for _ in range(CORRECTIONS):
-        missing = (seen - fields(forces)).reshape(len(seen), -1)
-        forces = forces + (missing @ inverse.T).reshape(forces.shape)
-    return ForceEstimates(forces, floor, sensors.rms * float(np.linalg.norm(inverse[::3].sum(axis=0))))
+    seen: Array,
+    readings: Sequence[Observables],
+    pins: MagneticPins,
+    further: Callable[[Array, Observables], Array],
+    sensors: Magnetometer,
+    within: Mask,
+) -> ForceEstimates:
+    """Return the forces that readings `(steps, s, 3)` mT of the sensors `within` `(s,)` their range tell: by
+    the map's slope at the forces of the step before, and by it again for what the fields of these forces are
+    off, until they settle. Magnets go `further` than `pins` says under forces on tips near those of a state.
+
+    Raises RefusedError where the sensors are too few, or the forces don't settle.
+    """
+    every, forces = np.arange(len(pins.middle)), [np.zeros_like(pins.middle)]
+    noise = list[tuple[Array, float, float]]()
+    for read, reading in zip(seen, readings, strict=True):
+        load, goes = forces[-1], pins.goes.copy()
+        for axis, more in enumerate(np.eye(3) * NUDGE):
+            rise = further(load + more, reading) - further(load - more, reading)
+            goes[every, :, every, axis] += rise / (2 * NUDGE)
+        slope = replace(pins, goes=goes).slope(pins.poses(load) + further(load, reading))
+        slope *= np.repeat(within, 3)[:, None]
+        floor, _, condition = force_noise(slope, sensors, within)
+        if condition is None:
+            raise RefusedError("the sensors within their range are too few to tell the forces on all pins")
+        inverse = np.linalg.pinv(slope)
+        for _ in range(MOST_CORRECTIONS):
+            field = pins.fields(pins.poses(load) + further(load, reading)).sum(axis=1)
+            change = (inverse @ (read - field).ravel()).reshape(load.shape)
+            load = load + change
+            if np.abs(change).max() <= SETTLED * np.abs(load).max():
+                break
+        else:
+            rule = f"do not settle in {MOST_CORRECTIONS} corrections"
+            raise RefusedError(f"the forces that the readings tell {rule}")
+        forces.append(load)
+        off = np.linalg.norm(inverse @ pins.uncertain(pins.poses(load) + further(load, reading)), axis=1)
+        noise.append((floor, sensors.rms * float(np.linalg.norm(inverse[::3].sum(axis=0))), off.max()))
+    floors, pulls, errors = zip(*noise, strict=True)
+    return ForceEstimates(np.array(forces[1:]), np.max(floors, axis=0), max(pulls), float(max(errors)))
 
 
 def slip_steps(estimates: ForceEstimates, time: Array, rate: float) -> list[int | None]:

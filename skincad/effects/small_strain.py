@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import Field
 
 from skincad.base.arrays import Array
-from skincad.base.errors import RefusedError
+from skincad.base.errors import InputError, RefusedError
 from skincad.effects.kinds import (
     FRICTIONLESS,
     MASS,
@@ -36,12 +36,15 @@ from skincad.inputs.design import Design
 from skincad.mechanics.contact.frictional import halved, solve_contact
 from skincad.mechanics.contact.state import Compliance, ContactState, Drive, at_rest
 from skincad.mechanics.film import turning
+from skincad.mechanics.problem import ContactError
 from skincad.mechanics.validity import Limits, limits
 
 if TYPE_CHECKING:
     from skincad.mechanics.bodies.mesh import PadPiece
     from skincad.mechanics.film.fields import DeformedSection, WholeState
     from skincad.mechanics.film.sliding import ContactPad
+
+MOST_BY_PRESS = 0.1  # of rings' forces, by friction that no press tells; assumption: twice what was seen
 
 
 class SmallStrain(Law):
@@ -139,21 +142,32 @@ class CondensedPad:
         moved = whole.moved(force, besides)
         return collision(whole.piece, whole.body, moved, plate, angle, self._give(state))
 
-    def left_out(self, state: ContactState) -> LeftOutEffect | None:
-        """Return what a round skin leaves out of slip of rings that a level plate presses unevenly. None of
-        a section along y, which knows it, and where nothing is pulled.
+    def left_out(self, state: ContactState, coefficient: float) -> list[LeftOutEffect]:
+        """Return what a round skin leaves out of slip: that a level plate presses pulled rings unevenly, and
+        the friction of this coefficient that spreads outward under the press. Nothing of a section along y,
+        which knows both, and where nothing is pulled.
 
-        Where the pressure round a ring is p (1 + e cos), the part behind slips first. At the travel at which
-        an even ring begins to, what slips has let go e / pi of its pull.
+        Where the pressure round a ring is p (1 + e cos), its last part lets go where it bears up to 1 + e of
+        the mean: by half of that later, in solids (bench/ring_friction.py). What friction changes of the
+        rings' forces is a second solve, of the press alone.
         """
         if self.pad.pulled is None or not state.tangential.any():
-            return None
-        up = self.pad.held_level(state.touches)[1] @ state.tangential
-        uneven = float(2 * np.abs(np.bincount(self.pad.ridge, up)).sum() / state.normal.sum())
-        words = (
-            f"a level plate presses pulled rings harder ahead, on the mean by {uneven:.0%} of the pressure"
-        )
-        return LeftOutEffect("uneven_pressure", words, min(1.0, uneven / math.pi))
+            return []
+        from skincad.mechanics.models import friction
+
+        called, rings = self.pad.held_level(state.touches)[1] @ state.tangential, self.pad.ridge
+        borne = np.maximum(np.bincount(rings, state.normal), 1e-300)
+        uneven = 2 * np.abs(np.bincount(rings, called)) / borne
+        ring, most = uneven.argmax(), float(uneven.max())
+        words = f"a level plate presses pulled rings harder behind, ring {ring} by {most:.0%}"
+        entries = [LeftOutEffect("uneven_pressure", words, min(1.0, most / 2))]
+        words = "friction that spreads outward under the press"
+        try:
+            press = friction.solve(self._whole.piece.whole, coefficient, float(state.normal.sum())).relative
+        except (ContactError, InputError) as failure:
+            return [*entries, LeftOutEffect("press_friction", f"{words}: {failure}", MOST_BY_PRESS)]
+        words += f" lets the skin give way by {-press.approach:.0%} less"
+        return [*entries, LeftOutEffect("press_friction", words, press.share)]
 
     def _level(self, state: ContactState) -> Compliance:
         """A round skin as a level plate sees it that touches what it touched before the step. Displacements

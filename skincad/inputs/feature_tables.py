@@ -7,6 +7,7 @@ z out of the skin. A place on the skin is two arcs from its middle, u along x an
 from __future__ import annotations
 
 import math
+from collections import Counter
 from functools import lru_cache, partial
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
@@ -255,6 +256,10 @@ class Magnetometer(Table):
             words = "is missing" if self.below is None else "must not be given beside places"
             remedy = "give below, for a sensor under each magnet, or places"
             raise InputError("below", words, self.below, remedy)
+        twice = next((place for place, times in Counter(self.places or ()).items() if times > 1), None)
+        if twice:
+            remedy = "move one of the two, or leave it out: together they tell no more than one"
+            raise InputError("places", "must not hold a place twice", list(twice), remedy)
         return self
 
 

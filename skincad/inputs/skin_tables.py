@@ -82,7 +82,7 @@ class Base(Table):
     @property
     def area(self) -> float:
         """Area of its outline, mm2."""
-        return self.width * self.length * (math.pi / 4) ** self.all_round
+        return self.width * self.length * (math.pi / 4 if self.round else 1)
 
     def arm(self, x: float, y: float) -> float:
         """Return how far from its middle the base has curved at a place, or at arcs, mm: a round one curves

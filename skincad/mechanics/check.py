@@ -399,7 +399,7 @@ class Solutions:
             out_of_range=beyond_reason,
             tipping=tipping(design, answer),
             friction=design.contact.friction,
-            contact_width=answer.contact_width,
+            contact_width=answer.contact_width and answer.contact_width.within(0.0, design.skin.width),
             wire_first=wiring_order(answer.ridge_force) if has_films(design) else (),
             magnet=magnet_signal(design, answer.ridge_force),
         )

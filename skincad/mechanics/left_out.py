@@ -154,7 +154,7 @@ def pocket_bound(design: Design, approach: float) -> float:
     if skin.bare:
         reach = math.sqrt(base.curvature_radius * approach)
         across = min(base.width, 2 * reach)
-        area = base.area * (across / base.width) ** (1 + base.all_round)
+        area = base.area * (across / base.width) ** (2 if base.round else 1)
         share = min(1.0, len(places(base, table)) * math.pi / 4 * pocket.diameter**2 / area)
     over = base.thickness + max(skin.heights) - pocket.depth
     bound = min(POCKET_SHARE[0] * share, POCKET_SHARE[1] * math.sqrt(share)) * pocket.depth / over

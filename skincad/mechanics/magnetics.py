@@ -119,6 +119,13 @@ class MagneticPins:
         rise = np.einsum("snic,ncmd->simd", by_pose, self.goes)
         return np.asarray(rise.reshape(3 * len(self.place), -1))
 
+    def uncertain(self, poses: Array) -> Array:
+        """Return what each magnet's way, tilt and remanence may be off in the sensors' fields `(3 s, 3 n)`
+        mT."""
+        rest, way, both = (self.fields(poses * part) for part in (0.0, WAY, 1.0))
+        parts = MOVES * (way - rest), TILTS * (both - way), (self.spread + RECOIL) * (both - rest)
+        return np.moveaxis(np.concatenate(parts, axis=1), 2, 1).reshape(3 * len(rest), -1)
+
     def push(self) -> Array:
         """Return the forces of the magnets on each other `(n, n, 3)` N, of the second on the first, which is
         taken as a dipole in the second's field."""
@@ -274,6 +281,10 @@ def magnet_signal(design: Design, pressed: Sequence[Estimate]) -> MagnetSignal |
     error = np.abs(change) * (sure + spring) + moved + by_forces.reshape(change.shape)
     within = np.maximum(np.abs(rest), np.abs(rest + change)).max(axis=1) <= sensors.range
     floor, alone, condition = force_noise(slope, sensors, within)
+    readings, signals = (
+        zip(*(of.tolist() for of in rows), strict=True)
+        for rows in ((pins.place, rest, change, error), (pins.middle, poses, alone, floor))
+    )
     return MagnetSignal(
         sensors=tuple(
             SensorReading(
@@ -281,9 +292,7 @@ def magnet_signal(design: Design, pressed: Sequence[Estimate]) -> MagnetSignal |
                 rest=tuple(Estimate(b, sure * abs(b), "mT") for b in at_rest),
                 change=tuple(Estimate(b, e, "mT") for b, e in zip(by, errors, strict=True)),
             )
-            for place, at_rest, by, errors in zip(
-                pins.place.tolist(), rest.tolist(), change.tolist(), error.tolist(), strict=True
-            )
+            for place, at_rest, by, errors in readings
         ),
         pins=tuple(
             PinSignal(
@@ -293,9 +302,7 @@ def magnet_signal(design: Design, pressed: Sequence[Estimate]) -> MagnetSignal |
                 alone=tuple(one),
                 floor=tuple(None if math.isinf(f) else f for f in joint),
             )
-            for at, pose, one, joint in zip(
-                *(of.tolist() for of in (pins.middle, poses, alone, floor)), strict=True
-            )
+            for at, pose, one, joint in signals
         ),
         noise=1000 * sensors.rms,
         band=sensors.rate / 2,

@@ -12,7 +12,7 @@ each step too.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import pairwise
 from math import inf
@@ -22,7 +22,6 @@ from typing import Any
 import numpy as np
 
 from skincad.base.adaptivity import overrun, unmet
-from skincad.base.arrays import Array
 from skincad.base.errors import InputError, RefusedError
 from skincad.effects import INDICATORS, effect
 from skincad.effects.kinds import FRICTIONLESS, RELIEF, Law, LeftOutEffect, PlatePath, SceneOutline
@@ -337,7 +336,7 @@ def at_finite_strain(runs: Runs) -> Iterator[str]:
 
 
 def left_out_effects(
-    scene: Scene, path: PlatePath, further: LeftOutEffect | None = None
+    scene: Scene, path: PlatePath, further: Iterable[LeftOutEffect] = ()
 ) -> list[LeftOutEffect]:
     """Return the effects that a scene leaves out, the one that matters most first, by the path of its march;
     `further` is what its pad leaves out besides.
@@ -360,28 +359,22 @@ def left_out_effects(
         for name in unnamed
         if (entry := effect(name).left_out(outline))
     ]
-    entries += [further] if further else []
-    return sorted(entries, key=lambda entry: -entry.change)
+    return sorted([*entries, *further], key=lambda entry: -entry.change)
 
 
 def path_of(march: March) -> PlatePath:
     """Return what a march found, as indicators see it."""
     normal_loads, pulled, area = np.moveaxis(march.loads, 1, 0)
     films = march.column("films")[:, :, 0]
+    of = (march.ridge[:, None] == np.arange(1, normal_loads.shape[1] + 1)).astype(float)
+    touches, slips = (march.column(name).astype(float) @ of for name in ("touches", "slips"))
     return PlatePath(
         time=march.time,
         approach=march.column("approach"),
         travel=march.column("travel"),
         pressed=normal_loads,
         pulled=pulled,
-        slips=_slipping(march, normal_loads.shape[1]),
+        slips=slips / np.maximum(touches, 1.0),  # of each ridge's touching points
         felt=films[:, ::2] - films[:, 1::2],
         area=area,
     )
-
-
-def _slipping(march: March, ridges: int) -> Array:
-    """The share of each ridge's touching points that slips `(steps + 1, ridges)`."""
-    of = (march.ridge[:, None] == np.arange(1, ridges + 1)).astype(float)
-    touches, slips = (march.column(name).astype(float) @ of for name in ("touches", "slips"))
-    return np.asarray(slips / np.maximum(touches, 1.0))

@@ -19,7 +19,7 @@ from skincad.base.errors import resource_guard
 from skincad.base.machine import one_blas_thread
 from skincad.base.progress import Tick
 from skincad.circuit.state import longest_step
-from skincad.effects.kinds import MASS, LeftOutEffect, MarchedPad, PadChange
+from skincad.effects.kinds import MASS, MarchedPad, PadChange
 from skincad.mechanics.dynamics.ringing import layer_period, skin_mass
 from skincad.scenes.march import LEVELS, Level, March, expected, frames, march
 from skincad.scenes.scene import Scene
@@ -287,14 +287,6 @@ def _pairs(scene: Scene, films: Array) -> dict[int, tuple[Array, Array]]:
 def differential(scene: Scene, march: March) -> dict[int, Array]:
     """Return S1 - S2 across the films `(steps + 1,)` MPa by monitored ridge."""
     return {r: one - other for r, (one, other) in _pairs(scene, march.column("films")).items()}
-
-
-def left_out_by_pad(march: March) -> LeftOutEffect | None:
-    """Return what a condensed pad leaves out beside the effects of a scene, by the march's last state."""
-    from skincad.effects.small_strain import CondensedPad
-
-    last = march.states.get(len(march.readings) - 1)
-    return march.pad.left_out(last) if isinstance(march.pad, CondensedPad) and last is not None else None
 
 
 def drifted(scene: Scene, march: March) -> dict[int, float]:

@@ -18,12 +18,14 @@ from skincad.base.progress import Tick
 from skincad.base.result import Record, Result, item, record, reported, reported_from
 from skincad.circuit.model import circuit_network, fitted
 from skincad.circuit.state import FilteredSignal, band_limited, delay
+from skincad.effects import CondensedPad
 from skincad.effects.kinds import LeftOutEffect, Reader, ReaderContext
 from skincad.mechanics.contact.state import FrictionCoefficients
 from skincad.mechanics.dynamics.ringing import skin_mass
 from skincad.mechanics.validity import material_warnings
 from skincad.scenes.alarms import report
 from skincad.scenes.errors import (
+    AROUND,
     BySource,
     SlipErrors,
     Slips,
@@ -57,7 +59,6 @@ from skincad.scenes.runs import (
     differential,
     drifted,
     halts_of,
-    left_out_by_pad,
     march_on,
     piece_for,
     spent,
@@ -206,7 +207,7 @@ class Simulation(Result):
     slip_steps: list[int | None] = item(meaning="from which each ridge slips for good", key="ridge_slip_step")
     gross_slip_step: int | None = item(meaning="from which the skin slips as a whole")
     slip_share_error: float | None = item(
-        meaning="of the share that slips, by mesh and step, mean of all steps"
+        meaning="of the share that slips, by mesh, step and on a round skin by its model, mean of all steps"
     )
     slip_errors: SlipErrors
     heavy_plate: HeavyPlate | None = item(meaning="the same under a plate as heavy as the skin")
@@ -490,8 +491,10 @@ def _simulation(on: MarchSetup, runs: Runs, seconds: dict[str, float]) -> Simula
     halts = halts_of(scene)
     slips = slips_of(march, skin_of(scene.design).count, halts)
     path = path_of(march)
-    left_out = left_out_effects(scene, path, left_out_by_pad(march))
-    driven = scene.history.tangential_force_N is None
+    cone, driven = friction_cone(scene), scene.history.tangential_force_N is None
+    last = march.states.get(len(march.readings) - 1)
+    by_pad = march.pad.left_out(last, cone.static) if last and isinstance(march.pad, CondensedPad) else []
+    left_out = left_out_effects(scene, path, by_pad)
     change = math.fsum(entry.change for entry in left_out)  # of a ridge's load, taken to be the signals'
     # a bare face slips as a whole where friction bears no more, whatever is left out
     moved = 0.0 if scene.bare and not driven else change
@@ -515,8 +518,8 @@ def _simulation(on: MarchSetup, runs: Runs, seconds: dict[str, float]) -> Simula
         runs=slips.runs,
         slip_steps=slips.steps,
         gross_slip_step=slips.gross,
-        slip_share_error=slip_share_error(runs),
-        slip_errors=slip_errors(runs, slips, moved, driven, friction_cone(scene), halts),
+        slip_share_error=slip_share_error(runs, AROUND if by_pad else 0.0),
+        slip_errors=slip_errors(runs, slips, moved, driven, cone, halts),
         heavy_plate=_heavy_plate(scene, runs, scene.readout.ridges),
         left_out=left_out,
         read=readings,

@@ -13,7 +13,7 @@ import pytest
 
 import skincad
 from bench import calculix, pins
-from skincad.base import Estimate
+from skincad.base import Estimate, InputError
 from skincad.inputs import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics import cylinder_field, force_noise, lone, magnet_signal, magnetic_pins
@@ -310,7 +310,12 @@ def test_what_makes_no_sense_is_refused_in_a_line(start: str) -> None:
 
 def test_sensors_are_refused_where_they_cannot_be() -> None:
     design = skincad.load("magnet-pillars")
+    at = [0.0, 0.0, 1.0]
     for change, words in (
+        (
+            {"below": None, "places": [at, [1.0, 0.0, 1.0], at]},
+            "magnetometer.places: must not hold a place twice, got [0.0, 0.0, 1.0]; move one",
+        ),
         ({"below": -1.0}, "magnetometer.below"),
         ({"below": None}, "magnetometer.below: is missing"),
         ({"places": [[0.0, 0.0, 1.0]]}, "must not be given beside places"),
@@ -318,6 +323,9 @@ def test_sensors_are_refused_where_they_cannot_be() -> None:
     ):
         with refused(words):
             design.with_(magnetometer=change)
+    with pytest.raises(InputError) as failure:  # of one wrong number nothing is said of the list
+        design.with_(magnetometer={"below": None, "places": [[0.0, 0.0, -1.0]]})
+    assert str(failure.value) == "magnetometer.places.0.2: must be greater than 0, got -1"
     flat = skincad.load("flat-magnet")
     with refused_by("magnetometer: reads magnets in pins"):
         flat.with_(magnetometer=design.magnetometer.model_dump(exclude_none=True))

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,9 +14,11 @@ import numpy as np
 import pytest
 
 import skincad
+from bench import getfem, ring_friction
 from skincad.effects import CondensedPad
 from skincad.inputs import Design
 from skincad.mechanics import limits
+from skincad.mechanics.models import friction
 from skincad.outputs import SIMULATION
 from skincad.scenes import LEVELS, Scene, Simulation, at_level, energy
 from tests.conftest import run_skincad
@@ -179,10 +182,12 @@ def test_rings_slip_from_the_rim_inwards() -> None:
     assert result.gross_slip_step == PRESSED + math.ceil((50 - PRESSED) / 1.05)
     last = result.march.loads[-1]
     assert last[1] == pytest.approx(MU * last[0], rel=1e-9)  # each bears what friction does
-    assert {entry.effect for entry in result.left_out} == {"finite_strain", "inertia", "uneven_pressure"}
-    uneven = next(entry for entry in result.left_out if entry.effect == "uneven_pressure")
-    assert f"{math.pi * uneven.change:.0%} of the pressure" in uneven.indicator
-    assert 0.0 < uneven.change < 0.1
+    left_out = {entry.effect: entry for entry in result.left_out}
+    assert {*left_out} == {"finite_strain", "inertia", "uneven_pressure", "press_friction"}
+    uneven = left_out["uneven_pressure"]
+    assert f"harder behind, ring 1 by {2 * uneven.change:.0%}" in uneven.indicator
+    assert 0.1 < uneven.change < 0.3
+    assert result.slip_share_error > 0.2
     assert not result.slip_share[: PRESSED + 1].any()  # a press spreads nothing along x
 
 
@@ -247,7 +252,8 @@ def test_a_finer_mesh_and_step_are_within_the_errors() -> None:
     assert rings().slip_share_error is not None
     shares = fine.slip_share[::2][: rings().slip_share.size]
     apart = np.abs(shares - rings().slip_share[: shares.size]).mean()
-    assert apart <= 2 * rings().slip_share_error  # of two meshes the coarser one's
+    # of two meshes the coarser one's; 0.2 is the model's
+    assert apart <= 2 * (rings().slip_share_error - 0.2)
 
 
 @pytest.mark.slow
@@ -267,6 +273,22 @@ def test_a_face_is_told_by_the_share_that_slips() -> None:
 
 
 @pytest.mark.slow
+def test_a_round_face_says_what_its_model_leaves_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = pull(ring_friction.face(), 1.0, share=1.05, steps=20)
+    result = skincad.simulate(scene)
+    assert result.slip_share_error is not None
+    assert result.slip_share_error > 0.2
+    assert "from mesh, time step and the model of a round skin" in " ".join(result.details().split())
+    (press,) = (entry for entry in result.left_out if entry.effect == "press_friction")
+    assert press.change == pytest.approx(0.0, abs=1e-9)  # one face bears all
+    assert "give way by 6% less" in press.indicator  # GetFEM: 7 %
+    monkeypatch.setattr(friction, "MOST_POINTS", 3)
+    (press,) = (entry for entry in at_level(scene, LEVELS[0]).left_out if entry.effect == "press_friction")
+    assert press.change == 0.1
+    assert "computed with friction for at most 3 contact points" in press.indicator
+
+
+@pytest.mark.slow
 def test_finite_strain_of_a_face() -> None:
     """Chosen steps are near those of each step, and further from small strain."""
     design = skincad.load("flat-magnet")
@@ -283,6 +305,43 @@ def test_finite_strain_of_a_face() -> None:
     assert entry.change == pytest.approx(1.5 * strain, rel=0.1)
     assert 0.02 < 1 - ends[1] / ends[0] < entry.change
     assert ends[2] == pytest.approx(ends[1], rel=0.02)  # of chosen steps: tests/effects/test_chosen_steps.py
+
+
+@pytest.mark.evidence(subject="getfem: rings with friction")
+@pytest.mark.skipif(bool(getfem.missing()), reason=getfem.missing())
+@pytest.mark.parametrize("name", ["three", "unlike", "face"])
+def test_rings_and_a_face_slip_as_solids_in_three_dimensions(name: str) -> None:
+    """GetFEM on a coarse mesh, which alone moves shares by 0.03; measured on finer ones, too:
+    bench/ring_friction.py. A force that is even round a ring moves it further than one that is not: 3 %."""
+    wanted = ring_friction.pulls()[name]
+    bricks = ring_friction.MESHES[6]._replace(gap=0.5 if name == "face" else 1.2)
+    ours = ring_friction.own(wanted)
+    smooth, rubbed = (
+        ring_friction.theirs(wanted, bricks, pressed_smooth=pressed_smooth)
+        for pressed_smooth in (True, False)
+    )
+    assert smooth.approach[0] == pytest.approx(ours.approach[0], rel=0.01)  # 0.2 to 0.6 %
+    assert smooth.normal == pytest.approx(ours.normal, rel=0.05)  # 3 % where all slips, 0.5 % at first
+    assert smooth.tangential[1] == pytest.approx(
+        ours.tangential[1], rel=0.08
+    )  # 1 to 3 %, and 4 % by the mesh
+    assert smooth.uneven[-1] == pytest.approx(ours.uneven[-1], abs=0.06)
+    assert (smooth.uneven[-1] < 0).all()  # harder behind
+    half = [skin.pull_at(skin.share, 0.5) for skin in (smooth, ours)]
+    assert half[0] == pytest.approx(half[1], abs=0.1)
+    scene = pull(wanted.design, wanted.force, share=1.05, steps=100)
+    result = skincad.simulate(scene)
+    assert result.slip_share_error is not None
+    for skin in (smooth, rubbed):
+        assert ring_friction.apart(skin, ours) < result.slip_share_error + 0.03
+    indicators = {entry.effect: entry.indicator for entry in result.left_out}
+    stiffer = float(re.search(r"(\d+)% less", indicators["press_friction"])[1]) / 100
+    assert 1 - rubbed.approach[0] / smooth.approach[0] == pytest.approx(stiffer, abs=0.015)
+    # what never slips as a whole in the travel does so in gross slip
+    pulls = 1.05 * (np.array(result.slip_steps) - 2 * PRESSED) / (100 - 2 * PRESSED)
+    errors = np.array([error.total for error in result.slip_step_errors]) * 1.05 / (100 - 2 * PRESSED)
+    whole = np.nan_to_num(smooth.pull_at(smooth.used, ring_friction.WHOLE), nan=1.0)
+    assert (np.abs(whole - pulls) <= errors).all() or name == "face"  # a face's is by force alone
 
 
 def test_limits_of_rings_go_by_their_areas() -> None:

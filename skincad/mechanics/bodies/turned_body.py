@@ -25,6 +25,7 @@ from skincad.mechanics.bodies.solid_law import Elements
 HARMONICS = 2  # with 3 a pin that sways by 0.4 of its height bears 7e-4 more
 POINTS = 3 * HARMONICS  # round half a turn
 WAVES = 2 * HARMONICS + 1  # functions round the axis: 1, cosines, sines
+TINY = 1e-300
 
 
 def turned_body(meshed: PadPiece, order: int) -> tuple[SolidBody, Array]:
@@ -64,6 +65,21 @@ def turned_body(meshed: PadPiece, order: int) -> tuple[SolidBody, Array]:
         along=np.zeros(0),
     )
     return body, _rigid(forms)[:, body.rest.contact]
+
+
+def rigid_parts(body: SolidBody, domain: str) -> Array:
+    """Return means over a domain by displacements `(4, n)`: of those along x and up, and if it is rigid the
+    sine of its turn towards x, and the cosine less 1; zeros where there is none."""
+    forms, of = body.forms, body.elements
+    inside = np.array([element.mat == domain for element in forms.plane.mesh.Elements()])
+    weight, area = of.weight[inside], (forms.weight * forms.across)[inside]
+    by_x, by_z = np.einsum("eg,egaf->aef", weight, of.basis[inside, :, :2]) / max(2 * weight.sum(), TINY)
+    mean = np.einsum("tg,tgf->tf", area, forms.basis[inside, :, 2]) / max(area.sum(), TINY)
+    rows = np.zeros((4, len(by_x), 3, by_x.shape[-1]))
+    rows[0, :, 0, ::WAVES] = rows[1, :, 1, ::WAVES] = mean  # waves have no mean round the axis
+    rows[2, :, 0], rows[2, :, 1], rows[3, :, 0], rows[3, :, 1] = by_z, -by_x, by_x, by_z
+    numbers = body.of_element[inside].ravel()
+    return np.array([np.bincount(numbers, row.ravel(), body.displacements) for row in rows])
 
 
 def _turned(forms: SectionForms) -> tuple[Array, Array]:

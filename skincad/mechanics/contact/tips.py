@@ -6,9 +6,9 @@ semi-smooth Newton method; the derivative on a disc's edge is that of Hueeber, S
 Sci. Comput. 30 (2008) 572, as in disc_friction.py, of which the normal side is linear.
 
 Beside a tip's own compliance stand that of its contact, Mindlin's of a circle that sticks, (2 - nu) / (8 G a)
-(Johnson, Contact Mechanics, 1985, eq. 7.42), and what its normal force adds as it bends, to first order: a
-column's lowering by sway, 6/5 of d^2 / 2h, less the rise of a ball that rolls, R theta^2 / 2, and less what
-the strain stiffens. Or in their place what finite strain adds of each pin (`Bending`).
+(Johnson, Contact Mechanics, 1985, eq. 7.42), and what its normal force adds as it bends: a column's lowering
+by sway, 6/5 of d^2 / 2h, less the rise of a ball that rolls, R theta^2 / 2, which by itself turns the tip
+back, and less what the strain stiffens. Or in their place what finite strain adds of each pin (`Bending`).
 """
 
 from __future__ import annotations
@@ -52,10 +52,11 @@ class Tips:
     """n pins: `gap` mm, `curve`, which gives force and slope by indentation, `compliance` `(3 n, 3 n)` mm/N
     beside it, all along x, then y, then z; `radius` mm of the contact by its normal force is `wide` N^(-1/3)
     mm times its cube root (infinite: it gives way by nothing), `shear` (2 - nu) / (8 G) mm2/N; `soften`
-    `(n,)` 1/N is by how much a normal force softens a tip; `pressed` gives forces and approach under a normal
-    force without friction, to start from; `creep` what of Mindlin's compliance counts: from 1, where all
-    sticks, to 1.5, where all is about to slip; `bend` gives what finite strain adds under normal forces and
-    pulls, None in small strain."""
+    `(3, n)` 1/N is by how much a normal force softens a tip, what a ball that rolls takes from that, and by
+    how much it takes less as its own moment turns the tip back; `pressed` gives forces and approach under a
+    normal force without friction, to start from; `creep` what of Mindlin's compliance counts: from 1, where
+    all sticks, to 1.5, where all is about to slip; `bend` gives what finite strain adds under normal forces
+    and pulls, None in small strain."""
 
     gap: Array
     curve: Callable[[Array], tuple[Array, Array]]
@@ -67,10 +68,16 @@ class Tips:
     creep: float = 1.0
     bend: Callable[[Array, Array], Bending] | None = None
 
+    def sway(self, normal: Array) -> Array:
+        """Return what normal forces `(..., n)` N take of tips' stiffness across, less than 0 if they add."""
+        softer, rolls, back = self.soften
+        normal = np.maximum(normal, 0.0)
+        return np.asarray(normal * (softer - rolls / (1 + normal * back)))
+
     def own(self, normal: Array) -> Array:
         """Return by how much tips give way across at normal forces `(..., n)`, mm/N, beside `compliance`.
         Raises ContactError where pins sway without a pull."""
-        sway = np.maximum(normal, 0.0) * self.soften
+        sway = self.sway(normal)
         if sway.max() >= 1:
             raise ContactError(f"pin {int(sway.argmax()) % self.gap.size + 1} tips over")
         normal = np.maximum(normal, max(FAINT * float(np.mean(normal)), TINY))

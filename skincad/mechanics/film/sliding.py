@@ -8,9 +8,10 @@ Of a section that turns about x = 0 a contact point is a ring. It is pressed eve
 friction acts along x all round, with the same force everywhere: Mindlin's assumption (J. Appl. Mech. 16
 (1949) 259). So the press is the harmonic 0 of the turn, the pull the harmonic 1 (bodies/harmonics.py), and a
 ring slips as one, by the mean of its displacement along x. The plate keeps level: it presses rings harder
-ahead than behind, without which they would tilt. Left out are that a ring then slips behind first, slip
-across x, which Mindlin leaves out too, and the friction that spreads outward under the press. References:
-Mindlin's sphere, a wall (tests/scenes/test_faces_and_rings.py), solids by CalculiX (bench/bonded_rings.py).
+behind than ahead, without which they would tilt. Left out are that a ring then slips ahead first, slip across
+x, which Mindlin leaves out too, and the friction that spreads outward under the press. References: Mindlin's
+sphere, a wall (tests/scenes/test_faces_and_rings.py), solids in three dimensions, bonded by CalculiX
+(bench/bonded_rings.py) and with friction by GetFEM (bench/ring_friction.py).
 """
 
 from __future__ import annotations

@@ -7,9 +7,9 @@ a normal force N, where the contact has gone d along x, are the nodes of a table
 
     H(N, d) = stored energy - N times the contact's sinking,  dH/dd = the pull,  dH/dN = - the sinking,
 
-its cubic interpolation of Hermite's kind in both. Heights between those that are solved are interpolated at
-the same N and sway d / h. What counts is the excess over small strain, which the reduced model has on a finer
-mesh, with the contact's own half-space.
+its cubic interpolation of Hermite's kind in both, as that of how a pin's magnet goes and turns. Heights
+between those that are solved are interpolated at the same N and sway d / h. What counts is the excess over
+small strain, which the reduced model has on a finer mesh, with the contact's own half-space.
 
 Range: quasi-static; a base that is level round the pin, and wide; a pull and a normal force in the plane of
 the axis. A contact is one point. Reference: the elastica, CalculiX, and the cell in small strain
@@ -30,10 +30,11 @@ from skincad.base.machine import one_blas_thread
 from skincad.inputs.design import Design
 from skincad.mechanics.bodies.mesh import Sizes, meshed_piece
 from skincad.mechanics.bodies.solid_body import SolidBody
-from skincad.mechanics.bodies.turned_body import turned_body
+from skincad.mechanics.bodies.turned_body import rigid_parts, turned_body
 from skincad.mechanics.contact.tips import Bending
+from skincad.mechanics.models.pin_cell import magnet_pad
 from skincad.mechanics.models.reduced import PinCells
-from skincad.mechanics.problem import ContactError, pad_of
+from skincad.mechanics.problem import ContactError
 from skincad.mechanics.validity import crown_radius, limits
 from skincad.shape.skin import skin_of
 
@@ -49,17 +50,19 @@ MARGIN = 0.02  # of a square, by which a pin is beyond it before it is in the ne
 # The slope of a cubic through two values and slopes is off by at most 1 / (6 sqrt 3) of the interval times
 # what its second derivative is off by at an end, where the fourth derivative is constant
 OFF = 1 / (6 * math.sqrt(3))
-# Hermite's functions of the value and the slope at 0, and those at 1, by powers
+# Hermite's functions of the value and the slope at 0, and those at 1, by powers; and their two derivatives
 HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]], dtype=float)
+HERMITE = np.array([HERMITE @ np.linalg.matrix_power(np.diag([1, 2, 3], -1), k) for k in range(3)])
 
 
 @dataclass(frozen=True, eq=False)
 class PinBody:
-    """The `body` of a cell and how its `tip` moves, of `turned_body`; its crown's `radius` in the `unit`, mm;
-    `force` N is a force of 1."""
+    """The `body` of a cell and how its `tip` moves, of `turned_body`; means over its `magnet` `(4, n)`, of
+    `rigid_parts`; its crown's `radius` in the `unit`, mm; `force` N is a force of 1."""
 
     body: SolidBody
     tip: Array
+    magnet: Array
     radius: float
     unit: float
     force: float
@@ -69,22 +72,25 @@ class PinBody:
 class BentPin:
     """An equilibrium: the body's state `values`, how its tip is `moved` `(3,)`, along x, down, and turned,
     and its `numbers`: H in mJ, pull N, sinking mm, and the derivatives of the pull by N and by d, N/mm, and
-    of the sinking by N, mm/N."""
+    of the sinking by N, mm/N. `magnet` `(3, 3)` is how far its magnet has gone along x and up, mm, and the
+    angle that it is turned by towards x, each with its derivatives by N and by d; zeros without one."""
 
     values: Array
     moved: Array
     numbers: Array
+    magnet: Array
 
 
 @lru_cache(maxsize=16)
 def pin_body(cell: Design) -> PinBody:
     """Return the body of a design of one pin."""
-    pad, wide = pad_of(cell), skin_of(cell).profile.tip_width / 2
+    pad, wide = magnet_pad(cell), skin_of(cell).profile.tip_width / 2
     base = IN_BASE * wide
     meshed = meshed_piece(pad, Sizes(AT_TIP * wide, ON_FLANK * wide, base, base, smooth=True))
     body, tip = turned_body(meshed, ORDER)
     force = pad.young_modulus * meshed.unit**2
-    return PinBody(body, tip, crown_radius(cell) / meshed.unit, meshed.unit, force)
+    magnet = rigid_parts(body, "film")
+    return PinBody(body, tip, magnet, crown_radius(cell) / meshed.unit, meshed.unit, force)
 
 
 @lru_cache(maxsize=2048)
@@ -124,32 +130,32 @@ def _equilibrium(pin: PinBody, values: Array, moved: Array, normal: float, way: 
         linear = body.linearised(values, body.residual(values))
         stiffness = np.asarray(np.linalg.inv(linear.flexibility), dtype=np.float64)
         alone = (values + linear.move(np.zeros_like(values)))[tip]
-        moved, held, numbers = _rolled(pin, stiffness, alone, moved, normal, way)
-        push = np.zeros_like(values)
-        push[tip] = -held
-        step = linear.move(push)
+        moved, held, numbers, further = _rolled(pin, stiffness, alone, moved, normal, way)
+        push = np.zeros((3, values.size))  # as it is, and with more of the normal force, or of the way
+        push[:, tip] = -held - np.array([0 * held, *further])
+        step = linear.move(push[0])
         values = values + step
         if not np.isfinite(energy := body.energy(values)):
             break
         if np.abs(step[: body.displacements]).max() <= SETTLED:
-            pull, sinks, by_normal, by_way, sinks_more = numbers
             force, unit = pin.force, pin.unit
-            stored, by_way, sinks_more = (
-                (energy - normal * sinks) * force * unit,
-                by_way * force / unit,
-                sinks_more * unit / force,
-            )
-            return BentPin(
-                values, moved, np.array([stored, pull * force, sinks * unit, by_normal, by_way, sinks_more])
-            )
+            scale = [force * unit, force, unit, 1.0, force / unit, unit / force]
+            numbers = np.array([energy - normal * numbers[1], *numbers]) * scale
+            moves = np.array([values, *(linear.move(more) - step for more in push[1:])])
+            x, up, sine, less = pin.magnet @ moves[:, : body.displacements].T
+            cosine = 1 + less[0]
+            turn = np.array([math.atan2(sine[0], cosine), *(cosine * sine - sine[0] * less)[1:]])
+            magnet = np.array([x * unit, up * unit, turn]) / [1.0, force, unit]
+            return BentPin(values, moved, numbers, magnet)
     raise ContactError("a pin does not settle")
 
 
 def _rolled(
     pin: PinBody, stiffness: Array, alone: Array, moved: Array, normal: float, way: float
-) -> tuple[Array, Array, Array]:
+) -> tuple[Array, Array, Array, Array]:
     """How a tip moves whose unknowns take forces by their `stiffness` `(k, k)` away from where they are
-    `alone` `(k,)`; these forces; and the numbers of a `BentPin` but the first. Newton."""
+    `alone` `(k,)`; these forces; the numbers of a `BentPin` but the first; and how the forces rise with the
+    normal force and with the way `(2, k)`. Newton."""
     crown = pin.radius if math.isfinite(pin.radius) else 0.0
     for _ in range(ITERATIONS):
         x, down, turn = moved
@@ -176,7 +182,8 @@ def _rolled(
             by_way, by_normal = np.linalg.inv(wanted).T[:2]
             sinks = np.array([0.0, 1.0, -rises])
             numbers = pull, down - further, matrix[0] @ by_normal, matrix[0] @ by_way, sinks @ by_normal
-            return moved, held, np.array(numbers)
+            further = np.array([by_normal, by_way]) @ slopes @ stiffness
+            return moved, held, np.array(numbers), further
     raise ContactError("a crown does not roll on")
 
 
@@ -184,16 +191,19 @@ def _rolled(
 class BentPins:
     """n pins in squares of the tables of `cells`, k heights: `square` `(2, n)` numbers its first node, by
     normal forces and by sways; `weights` `(n, k)` are those of the cells, `height` `(n,)` mm, `force` N is
-    between two nodes. `energy` `(n, 4, 4)` mJ are the coefficients of Hermite's functions, by normal force
-    and by sway; `soft` and `sinks` `(n,)` mm/N what an unloaded pin gives way across and along its axis;
-    `off` `(2, n)` by how much the pull, N, and the sinking, mm, may be off between nodes, beside MIXED."""
+    between two nodes. `tables` `(4, n, 4, 4)` are the coefficients of Hermite's functions, by normal force
+    and by sway, of H, mJ, and of how magnets go along the pull and up, mm, and turn; `at_rest` `(3, n, 2)`
+    the slopes of the latter three in unloaded pins. `soft` and `sinks` `(n,)` mm/N are what an unloaded pin
+    gives way across and along its axis; `off` `(2, n)` by how much the pull, N, and the sinking, mm, may be
+    off between nodes, beside MIXED."""
 
     cells: tuple[Design, ...]
     weights: Array
     height: Array
     force: float
     square: Index
-    energy: Array
+    tables: Array
+    at_rest: Array
     soft: Array
     sinks: Array
     off: Array
@@ -205,12 +215,23 @@ class BentPins:
         u, step = normal / self.force - self.square[0], SWAY * self.height
         v, first = pull * self.soft / step - self.square[1], step**2 / self.soft
         for _ in range(4 * ITERATIONS):
-            energy = _hermite(self.energy, u, v)
+            energy = _hermite(self.tables[0], u, v)
             change = (pull * step - energy[2]) / np.maximum(energy[5], FIRM * first)
             v = v + change
             if np.abs(change).max() <= SETTLED**2:
                 break
         return np.array([u, v]), energy
+
+    def magnets(self, forces: Array) -> Array:
+        """Return what finite strain adds to how magnets go and turn `(n, 6)`, mm and rad, under forces on the
+        tips `(n, 3)` N."""
+        normal, pull = -forces[:, 2], np.hypot(*forces[:, :2].T)
+        (u, v), _ = self.sway(normal, pull)
+        small = np.stack([normal / self.force, pull * self.soft / (SWAY * self.height)], axis=1)
+        linear = (self.at_rest * small).sum(axis=2)
+        way, up, turn = [_hermite(table, u, v)[0] for table in self.tables[1:]] - linear
+        x, y = np.divide(forces[:, :2].T, pull, out=np.zeros((2, pull.size)), where=pull > 0)
+        return np.stack([way * x, way * y, up, -turn * y, turn * x, 0 * up], axis=1)
 
     def tips_over(self, normal: Array, pull: Array) -> Array:
         """Return which pins `(n,)` have no more stiffness."""
@@ -243,27 +264,28 @@ class BentPins:
         """Return the pins in other squares `(2, n)`."""
         heights = np.array([skin_of(cell).heights[0] for cell in self.cells])
         step, ends = SWAY * heights, tuple(product((0, 1), repeat=2))
-        coefficients, off = np.empty((len(square.T), 4, 4)), np.empty((2, len(square.T)))
+        scale = np.array([0 * step + 1, step, 0 * step + self.force, self.force * step])[:, None]
+        tables, off = np.empty((4, len(square.T), 4, 4)), np.empty((2, len(square.T)))
         for i, j in np.unique(square, axis=1).T.tolist():
             pins = (square == [[i], [j]]).all(axis=0)
-            table = np.empty((heights.size, 4, 4))
-            curved = np.empty((2, heights.size, 4))
+            table, curved = np.empty((4, heights.size, 4, 4)), np.empty((2, heights.size, 4))
             for place, (a, b) in enumerate(ends):
-                nodes = [bent_pin(cell, self.force, i + a, j + b).numbers for cell in self.cells]
-                stored, pull, sinks, by_normal, by_way, sinks_more = np.array(nodes).T
-                slopes = np.array(
-                    [[stored, pull * step], [-sinks * self.force, by_normal * step * self.force]]
-                )
-                table[:, 2 * a : 2 * a + 2, 2 * b : 2 * b + 2] = np.moveaxis(slopes, 2, 0)
+                nodes = [bent_pin(cell, self.force, i + a, j + b) for cell in self.cells]
+                stored, pull, sinks, by_normal, by_way, sinks_more = np.array([n.numbers for n in nodes]).T
+                gone, by_force, by_sway = np.array([n.magnet for n in nodes]).T
+                mixed = [by_normal, *(0 * gone)]  # of magnets it is left out: 2e-4 of a way
+                rows = np.array([[stored, *gone], [pull, *by_sway], [-sinks, *by_force], mixed])
+                slopes = (rows * scale).reshape(2, 2, 4, -1)
+                table[:, :, 2 * a : 2 * a + 2, 2 * b : 2 * b + 2] = np.moveaxis(slopes, (0, 1), (2, 3))
                 curved[:, :, place] = -sinks_more * self.force**2, by_way * step**2
             for place, (a, b) in enumerate(ends):
-                corner = np.full(heights.size, float(a)), np.full(heights.size, float(b))
-                curved[:, :, place] -= _hermite(table, *corner)[[3, 5]]
+                corner = np.tile([[float(a)], [float(b)]], heights.size)
+                curved[:, :, place] -= _hermite(table[0], *corner)[[3, 5]]
             weights = self.weights[pins]
-            coefficients[pins] = np.einsum("nk,kab->nab", weights, table)
+            tables[:, pins] = np.einsum("nk,qkab->qnab", weights, table)
             worst = OFF * np.abs(np.einsum("nk,ckp->cnp", weights, curved)).max(axis=2)
             off[:, pins] = worst[1] / (SWAY * self.height[pins]), worst[0] / self.force
-        return replace(self, square=square, energy=coefficients, off=off)
+        return replace(self, square=square, tables=tables, off=off)
 
 
 def bent_pins(cells: PinCells, height: Array) -> BentPins:
@@ -275,27 +297,16 @@ def bent_pins(cells: PinCells, height: Array) -> BentPins:
     by_sway = first[:, 4] * np.array([skin_of(cell).heights[0] for cell in designs]) ** 2
     weights = cells.by_height
     soft, sinks = height**2 / (weights @ by_sway), weights @ first[:, 5]
-    pins = BentPins(
-        designs, weights, height, force, np.zeros((2, 0), dtype=np.int64), none, soft, sinks, none
-    )
-    return pins.moved(np.zeros((2, height.size), dtype=np.int64))
+    square = np.zeros((2, height.size), dtype=np.int64)
+    pins = BentPins(designs, weights, height, force, square, none, none, soft, sinks, none).moved(square)
+    return replace(pins, at_rest=pins.tables[1:, :, [1, 0], [0, 1]])
 
 
 def _hermite(coefficients: Array, u: Array, v: Array) -> Array:
     """A bicubic of `(n, 4, 4)` coefficients and its derivatives `(6, n)` by u, v, uu, uv and vv; beyond 0 to
     1 what these say where it ends, along u for a square more."""
     ends = [np.clip(at, 0.0, 1.0) for at in (u, v)]
-    by_u, by_v = (
-        np.array(
-            [
-                [0 * at + 1, at, at**2, at**3],
-                [0 * at, 0 * at + 1, 2 * at, 3 * at**2],
-                [0 * at, 0 * at, 0 * at + 2, 6 * at],
-            ]
-        )
-        for at in ends
-    )
-    by_u, by_v = (np.einsum("fp,dpn->dnf", HERMITE, powers) for powers in (by_u, by_v))
+    by_u, by_v = (np.einsum("dfp,pn->dnf", HERMITE, at ** np.arange(4)[:, None]) for at in ends)
     orders = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
     value, one, other, uu, uv, vv = (
         np.einsum("na,nab,nb->n", by_u[i], coefficients, by_v[j]) for i, j in orders

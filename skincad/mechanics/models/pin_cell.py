@@ -21,7 +21,7 @@ from skincad.mechanics.bodies import elements
 from skincad.mechanics.bodies.harmonics import pulled, pushed
 from skincad.mechanics.bodies.mesh import PadPiece, plane_piece
 from skincad.mechanics.models import linear
-from skincad.mechanics.problem import pad_of
+from skincad.mechanics.problem import Pad, pad_of
 from skincad.mechanics.validity import crown_radius
 from skincad.shape.curves import Point, loop
 from skincad.shape.skin import skin_of
@@ -43,7 +43,8 @@ MOST_LOADED = 1.2  # times the force at which a contact by Hertz would be as wid
 # Of a half-space under a load spread evenly over a disc of radius a, times E* a: its mean sinking, 16 / (3
 # pi^2), and per moment of a pressure that rises evenly, E* a^3, 32 / pi x the integral of (J_2(x) / x)^2.
 # Both are means weighted by the load: Johnson, Contact Mechanics, 1985, sec. 3.4; Abramowitz and Stegun
-# 11.4.33
+# 11.4.33. A pull spread evenly turns the surface by (1 - 2 nu) / (2 pi (1 - nu)) / (E* a^2), the side that it
+# points to down: Cerruti's depression over a disc, whose x / r^2 integrates to pi x inside; Johnson, sec. 3.6
 SINKING, TURNING = 16 / (3 * math.pi**2), 0.864594
 
 
@@ -101,9 +102,11 @@ def pin_cell(cell: Design) -> PinCell:
     with one_blas_thread():
         axial, across, radius, by_push, by_pull, magnet = _compliances(meshed, cell, loaded)
     if shape.crown:
-        tangential = (2 - pad.poisson_ratio) / (2 * (1 - pad.poisson_ratio))
+        shear = 2 * (1 - pad.poisson_ratio)
+        pull, tilt = (2 - pad.poisson_ratio) / shear, (2 * pad.poisson_ratio - 1) / (math.pi * shear)
         axial -= SINKING / (modulus * loaded)
-        across = across - np.diag([tangential * SINKING / loaded, TURNING / loaded**3]) / modulus
+        spread = [[pull * SINKING / loaded, tilt / loaded**2], [tilt / loaded**2, TURNING / loaded**3]]
+        across = across - np.array(spread) / modulus
     return PinCell(cell, axial, across, radius, by_push, by_pull, magnet)
 
 
@@ -111,13 +114,19 @@ def _meshed(cell: Design) -> tuple[PadPiece, float]:
     """The cell's mesh, fine within the radius of its tip, mm, over which loads are spread."""
     shape = skin_of(cell).profile
     loaded = shape.tip_width / 2 * (LOADED if shape.crown else 1.0)
-    pad = replace(pad_of(cell), focus=loaded if shape.crown else 0.0)
-    if (pocket := cell.features.pocket) and pocket.magnet:
-        (low, high), wide = pocket.magnet_span, pocket.magnet.diameter / 2
-        corners = [Point(CORE * wide, low), Point(wide, low), Point(wide, high), Point(CORE * wide, high)]
-        halves = loop(corners), loop([Point(-x, z) for x, z in reversed(corners)])
-        pad = replace(pad, strips=halves, film_modulus=RIGID * pad.young_modulus, film_ratio=RIGID_RATIO)
+    pad = replace(magnet_pad(cell), focus=loaded if shape.crown else 0.0)
     return plane_piece(pad, FINENESS), loaded
+
+
+def magnet_pad(cell: Design) -> Pad:
+    """Return a cell's pad, with its magnet as a stiff strip if it has one."""
+    pad = pad_of(cell)
+    if not ((pocket := cell.features.pocket) and pocket.magnet):
+        return pad
+    (low, high), wide = pocket.magnet_span, pocket.magnet.diameter / 2
+    corners = [Point(CORE * wide, low), Point(wide, low), Point(wide, high), Point(CORE * wide, high)]
+    halves = loop(corners), loop([Point(-x, z) for x, z in reversed(corners)])
+    return replace(pad, strips=halves, film_modulus=RIGID * pad.young_modulus, film_ratio=RIGID_RATIO)
 
 
 def hertz(force: Array, radius: float, modulus: float) -> Array:

@@ -84,6 +84,16 @@ def test_a_face_is_pressed_far_beyond_small_strain(monkeypatch: pytest.MonkeyPat
         finite_strain.solve(problem.focused(pad, 8.0), Request(8.0))
 
 
+@pytest.mark.slow
+def test_a_contact_is_no_wider_than_its_face() -> None:
+    """20 N press a nearly level face of 20 mm all over: 22 ± 13 mm by the root of the approach."""
+    design = skincad.load("flat-magnet").with_(skin={"curvature_radius": 400.0}, contact={"force": 20.0})
+    width = skincad.check(design, model="corrected").contact_width
+    assert width is not None
+    assert width.upper == design.skin.width
+    assert 0.0 < width.lower < 15.0
+
+
 @pytest.mark.parametrize("height", [2.0, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_a_bonded_disc_is_stiff_as_gent_and_lindley_say(height: float) -> None:
     """E (1 + 2 S^2), of a disc bonded on both sides and twice as high; S = radius / (4 height). Proc. Inst.

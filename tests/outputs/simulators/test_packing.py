@@ -211,6 +211,22 @@ def test_progress_tells_each_check_of_the_springs() -> None:
     assert {left for _, left in stages} == {None}  # of one check, not of the package
 
 
+@pytest.mark.slow
+def test_progress_tells_how_long_a_mesh_of_pins_takes() -> None:
+    stages: list[tuple[str, float | None]] = []
+    few = [
+        "pin.columns=2",
+        "pin.rows=1",
+        "pin.heights=none",
+        "pin.height=4",
+        "pin.pocket=none",
+        "skin.width=14",
+    ]
+    design = skincad.load_design("pillars-9", [*few, "skin.length=8"])
+    skincad.package(design, "mesh", progress=lambda stage, left=None, /: stages.append((stage, left)))
+    assert ("mesh of 2 pins", 2.0) in stages  # about 1 s each
+
+
 NAMES = ("yamada-2002", "yamada-2002-tilted", "steep-fingertip")
 
 

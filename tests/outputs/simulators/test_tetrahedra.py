@@ -249,12 +249,13 @@ def test_heights_of_round_features_are_their_crests(name: str) -> None:
 
 @pytest.mark.evidence(subject="calculix: package")
 @pytest.mark.skipif(bool(ccx.missing()), reason=ccx.missing())
-@pytest.mark.parametrize(("name", "fineness"), [("pins", 1.0), ("ring", 0.5)])
+@pytest.mark.parametrize(("name", "fineness"), [("pins", 1.0), ("ring", 0.35)])
 def test_calculix_on_the_mesh_of_pins_and_a_ring_has_the_force_of_the_check(
     name: str, fineness: float
 ) -> None:
     """Small strain, no friction: the force at the check's approach, less and more its error, is below and
-    above the check's, so that at equal force the approach is within the check's error."""
+    above the check's, so that at equal force the approach is within the check's error. The ring has 25 steps
+    round: with 36 CalculiX takes minutes."""
     source, settings = {"pins": ("pillars-9", (*PINS, "pin.pocket=none")), "ring": RING}[name]
     design = skincad.load_design(source, settings)
     design = design.with_(contact={"friction": 0.0, "force": 1.0 if name == "pins" else 0.2})
