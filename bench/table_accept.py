@@ -331,18 +331,18 @@ def judged(seed: int) -> dict[str, list[Any]]:
     return {"calls": calls}
 
 
-def table(results: list[tuple[str, Call]]) -> list[str]:
+def table(results: list[tuple[str, Call]], causes: dict[str, str] = FAULTS) -> list[str]:
     lines = list[tuple[object, ...]]()
     right = calls = cause = alone = alone_right = 0
-    for kind in ("", *FAULTS):
+    for kind in ("", *causes):
         rows = [verdict for name, verdict in results if name == kind]
         if not rows:
             continue
         count = Counter(row.verdict for row in rows)
         outs = [row for row in rows if row.verdict == "out"] if kind else []
-        hits = sum(row.cause == FAULTS[kind] for row in outs)
+        hits = sum(row.cause == causes[kind] for row in outs)
         single = [row for row in outs if row.alone]
-        hits_alone = sum(row.cause == FAULTS[kind] for row in single)
+        hits_alone = sum(row.cause == causes[kind] for row in single)
         named = [f"{hits}/{len(outs)}", f"{hits_alone}/{len(single)}"] if kind else ["", ""]
         lines.append((kind or "good", count["in"], count["out"], count[UNDECIDED], *named))
         right += count["out"] if kind else count["in"]

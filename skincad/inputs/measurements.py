@@ -135,6 +135,7 @@ def _until_rupture(force: Array) -> int:
 
 
 FEWEST_PRESSES = 5  # rows above the noise; assumption: fewer leave nothing to judge beside zero and modulus
+MOST_PRESSES = 5000  # rows; of so many `accept` takes ten seconds, and the time grows by their square
 NOISES = 4.0  # standard deviations; a step to and fro by more is no noise
 STEADY_ROWS = 3  # at the end of a press, from which a force that stays is a load cell's full scale
 FULL_SCALE = 0.5  # of the force's error: what stays within it
@@ -164,14 +165,17 @@ class PressCurve:
 def press_curve(path: Path | str, force_error: float, approach_error: float) -> PressCurve:
     """Return a press from a CSV with the columns `approach_mm, force_N`, its rows in the order of the test.
 
-    Raises InputError for other columns, too few rows under load, and an approach or a force that falls by
-    more than the noise: by NOISES of the standard deviations given.
+    Raises InputError for other columns, too few rows under load, more than MOST_PRESSES, and an approach or
+    a force that falls by more than the noise: by NOISES of the standard deviations given.
     """
     name = str(path)
     for option, error, unit in (("force_error", force_error, "N"), ("approach_error", approach_error, "mm")):
         require_number(option, error, lambda value: 0 < value <= 1e3, f"must be above 0 {unit}")
     columns = read_columns(path, PRESSED)
     approach, force = (columns[column] for column in PRESSED)
+    if force.size > MOST_PRESSES:
+        one_in = math.ceil(force.size / MOST_PRESSES)
+        raise InputError(name, f"must have at most {MOST_PRESSES} rows", force.size, f"keep one in {one_in}")
     curve = PressCurve(name, approach, force, force_error, approach_error, columns.notes)
     _refuse_falling(curve)
     curve = _below_full_scale(curve)

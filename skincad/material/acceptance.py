@@ -198,15 +198,22 @@ def model_for(design: Design, curve: PressCurve, clock: Stopwatch) -> tuple[Pres
     first = small_strain_curve(under_flat_plate(design), silicone(design).young_modulus.value, clock)
     curve = usable(curve, first)
     largest = float(curve.force.max())
-    if largest > first.force[-1]:
-        of = limits(design).family
-        ends = f"a {of} is strained by 0.3 or buckles" if of else "the skin is strained by 0.3"
-        rule = f"the model ends at {float(first.force[-1]):.3g} N: {ends}"
-        raise InputError(f"{curve.name}, force_N", rule, largest, "leave out the rows beyond")
     reach = float(first.force_at(np.array([curve.approach.max()]))[0])
+    _refuse_beyond(design, curve, first)
     good = good_curve(design, 1.2 * max(largest, reach), clock)
+    _refuse_beyond(design, curve, good)
     tilted = design.contact.plate if design.contact.plate.shape == "tilted" else None
     return curve, press_model(design, good, clock, tilted)
+
+
+def _refuse_beyond(design: Design, curve: PressCurve, model: PadCurve) -> None:
+    """Raise InputError for rows beyond a model's end."""
+    largest, end, of = float(curve.force.max()), float(model.force[-1]), limits(design).family
+    if largest > end:
+        ends = f"a {of} is strained by 0.3 or buckles" if of else "the skin is strained by 0.3"
+        ends = ends if model.strained[-1] == 1 else "beyond, finite strain is not solved"
+        rule = f"the model ends at {end:.3g} N: {ends}"
+        raise InputError(f"{curve.name}, force_N", rule, largest, "leave out the rows beyond")
 
 
 def _rows(curve: PressCurve) -> MaterialTest:
@@ -367,13 +374,15 @@ def log_likelihood(
             crests = _sampled(model.force, model.crests, force / scale)
             residual.append(approach - expected)
             modes.append(np.vstack([own_zero, shared, crests]))
-            noise.append(curve.approach_error**2 + (slope * curve.force_error) ** 2)
+            read = curve.approach_error**2 + (slope * curve.force_error) ** 2
+            noise.append(read + (model.row_error * good) ** 2)
         misses, spread = np.concatenate(residual, axis=1), np.concatenate(modes, axis=1)
-        covariance = np.diag(np.concatenate(noise)) + spread.T @ spread
-        root = linalg.cho_factor(covariance, lower=True)
-        solved = linalg.cho_solve(root, misses.T)
+        # the covariance is diagonal but for the few modes (Woodbury; Rasmussen and Williams, eq. A.9, A.10)
+        alone = np.concatenate(noise)
+        root = linalg.cho_factor(np.eye(len(spread)) + (spread / alone) @ spread.T, lower=True)
+        solved = ((misses - linalg.cho_solve(root, spread / alone @ misses.T).T @ spread) / alone).T
         misfit[i] = (misses.T * solved).sum(axis=0)
-        value[i] = -misfit[i] / 2 - np.log(root[0].diagonal()).sum()
+        value[i] = -misfit[i] / 2 - np.log(root[0].diagonal()).sum() - np.log(alone).sum() / 2
         zero[i] = curves[0][1].approach_error * (spread[0] @ solved)
     return value, misfit, zero
 

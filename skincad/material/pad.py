@@ -24,7 +24,7 @@ from skincad.inputs.measurements import FEWEST_ROWS, MaterialTest
 from skincad.material.modulus import MaterialFit, Regression, material_fit, regression
 from skincad.mechanics.bodies.mesh import PadPiece, meshed_piece, plane_piece
 from skincad.mechanics.contact.frictionless import NodalContact, Ridges, press
-from skincad.mechanics.contact.ridge_model import ridge_approach
+from skincad.mechanics.contact.ridge_model import MAX_RIDGES, ridge_approach
 from skincad.mechanics.models import corrected, finite_strain, linear, reduced
 from skincad.mechanics.models.solid import coarse_sizes, condensed_pad, forms_of
 from skincad.mechanics.problem import Pad, check_pad, focused, pad_of
@@ -145,6 +145,7 @@ COARSE_ORDER = 2  # its ratio of finite to small strain is that of order 3 to 2e
 # Shares of the largest force: the ratio is 1 at no force, and lines between are within 3e-3 of it, as it
 # bends where the last ridges touch (measured on yamada-2002 to 6 N); STRAINED_ERROR is far larger
 STRAINED_SHARES = (0.15, 0.5, 1.0)
+NEAREST = 0.2  # of a force that is beyond that model: half-way steps towards it are tried down to so much
 
 # Relative errors of the approach: of the mesh (linear.FINE), of the free ends' change, and of a Poisson's
 # ratio between 0.498 and 0.49999 where the design says 0.499 (measured on yamada-2002)
@@ -192,6 +193,9 @@ def small_strain_curve(design: Design, young_modulus: float, clock: Stopwatch) -
     a_ridge, shares = limits(soft).largest, (np.arange(1, POINTS + 1) / POINTS) ** 2
     if skin_of(design).body == "pins":
         with clock.stage("linear"):
+            if (count := skin_of(soft).count) > MAX_RIDGES:
+                remedy = "press a part with fewer pins of that kind"
+                raise InputError("pin", f"must be at most {MAX_RIDGES} to read a press", count, remedy)
             model = reduced.pin_model(soft).ridge_model()
             force = a_ridge * model.gap.size * shares
             forces, approach = ridge_approach(model, np.zeros((POINTS, model.gap.size)), force)
@@ -248,14 +252,17 @@ def finite_strain_curve(curve: PadCurve, design: Design, largest: float, clock: 
         coarse = plane_piece(pad, COARSE.fineness)
         finite: linear.PlaneSolution | None = None
         at, ratio = [0.0], [1.0]
-        for force in (share * largest for share in STRAINED_SHARES):
+        ahead = [share * largest for share in STRAINED_SHARES]
+        while ahead:
+            force = ahead.pop(0)
             small = linear.level(coarse, COARSE_ORDER, each * force).approach
             try:
                 finite = finite_strain.level(coarse, COARSE_ORDER, each * force, before=finite)
             except InputError:
                 if len(at) == 1:
                     raise
-                break
+                ahead = [(at[-1] + force) / 2] if at[-1] < (1 - NEAREST) * force else []
+                continue
             at.append(force)
             ratio.append(finite.approach / small)
     rows = curve.force < at[-1]

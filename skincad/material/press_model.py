@@ -55,6 +55,7 @@ PARTS, SEED = 40, 20021  # with random crests, of which the good curve is the me
 FACE_HEIGHT = 0.2  # of a flat skin's thickness, assumption: in which its face's faults are counted
 SAME_PLACE = 1e-3  # mm; pins that are as far from the middle but for this are alike
 MOST_RIDGES = 6  # whose absence is solved; of more they are spread from an end to the middle
+FACE_ERROR = 0.01  # standard deviation of a face's approach by its mesh, relative, at each force
 # Standard deviations: of the approach as a whole (half of what bounds it), with strips left out; of what
 # finite strain changes
 SCALE_ERROR = math.hypot(APPROACH_ERROR / 2, 0.01)
@@ -72,7 +73,8 @@ class PressModel:
     one without the two ridges `pairs`. `warp` and `tilt` `(sizes, k)` are of one whose outermost crests are
     `warps` and `tilts` mm lower. `last` is the number of the last ridge. `friction` is the relative change of
     the approach by a plate on which nothing slips. `alike` says of each of `numbers` which are like it, where
-    that is not by a mirror; `scale_error` is the standard deviation of the approach as a whole, relative.
+    that is not by a mirror; `scale_error` is the standard deviation of the approach as a whole, relative,
+    `row_error` that at each force.
     """
 
     young_modulus: float
@@ -96,6 +98,7 @@ class PressModel:
     friction: float
     alike: tuple[str, ...] = ()
     scale_error: float = SCALE_ERROR
+    row_error: float = 0.0
     family: str = "ridge"
 
     def without_two(self, pair: tuple[int, int]) -> Array:
@@ -195,6 +198,7 @@ def press_model(
         friction=friction,
         alike=parts.alike,
         scale_error=math.hypot(PIN_ERRORS.approach / 2 if pins else SCALE_ERROR, pocket / 2),
+        row_error=0.0 if numbers else FACE_ERROR,
         family=skin.family,
     )
 

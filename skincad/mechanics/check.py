@@ -451,6 +451,10 @@ class Solutions:
             self.sampling_seconds = perf_counter() - started
             return result
         if threshold is None or skin_of(self.design).count == 1:
+            if skin_of(self.design).bare:
+                raise ContactError(
+                    "a face's errors are drawn on its section, and this one curves along y too"
+                )
             return None
         if parts is None and "linear" in self.models:  # its coarsest mesh is enough, as the force is scaled
             rough = Request(self.force, FINEST_TOLERANCE, ridge_model=True)

@@ -4,7 +4,8 @@ Sensitivities of the all-touch force to each dimension and the modulus, by the c
 exponent is percent of force per percent of the key. The closed form alone misleads where a key acts on the
 base that ridges share: it gives the base under a ridge to skin.width / ridge.count, where it is rather the
 pitch, and knows no edges. So each key has an interval round the closed form's exponent (docs/evidence/fits.md
-says how it was set).
+says how it was set). Of pins and rings, which the springs don't know, the exponents are differences of the
+quickest model's force.
 
 A part's crests differ from the design by independent normal errors of the mold's process. Its modulus is
 uniform in the material's range, since a range says no more. Forces scale with the modulus exactly, so a part
@@ -20,14 +21,15 @@ import numpy as np
 from scipy import optimize, special
 
 from skincad.base.arrays import Array, Mask
-from skincad.base.errors import InputError
+from skincad.base.errors import InputError, RefusedError
 from skincad.base.estimate import Estimate
 from skincad.base.machine import one_blas_thread
 from skincad.inputs.design import Design
 from skincad.inputs.material import silicone
 from skincad.mechanics.contact.ridge_model import BATCH, ridge_forces
+from skincad.mechanics.models.table import MODELS, run, unsupported_reason
 from skincad.mechanics.models.winkler import all_touch_force
-from skincad.mechanics.problem import NEGLIGIBLE, RidgeModel, Spread, Yield, focused, pad_of
+from skincad.mechanics.problem import NEGLIGIBLE, Request, RidgeModel, Spread, Yield, focused, pad_of
 from skincad.shape.crests import FACE
 from skincad.shape.skin import skin_of
 
@@ -37,6 +39,12 @@ KEYS = (
     *(f"ridge.{key}" for key in ("pitch", "height", "root_width", "tip_width")),
 )
 MODULUS = "material.young_modulus"
+LENGTHS = {key.partition(".")[2] for key in KEYS} | {
+    "curvature_radius_y",
+    "root_diameter",
+    "tip_diameter",
+    "crown",
+}
 # half-widths of the exponents of single ridges and of the base circle
 EXPONENT_MARGINS = {
     "skin.curvature_radius": 0.2,
@@ -51,6 +59,11 @@ CONFINEMENT_MARGIN = 0.4
 EDGE_MARGIN = 0.009  # by the square of the number of ridges: what a margin that gets narrower may change
 # of the pitch's exponent: below that of the gap alone, and above that of gap and base
 PITCH_MARGIN_BELOW, PITCH_MARGIN_ABOVE = 0.1, 0.2
+DIFFERENCE = 0.03  # relative, of each key either way, where a model of finite elements is asked
+# Of such an exponent: what its two meshes leave (1e-3 of a force, measured on five templates), what it is off
+# by with its model (of it, assumption), and below which the model does not know the key
+MESH_NOISE, MODEL_SHARE, UNKNOWN = 0.03, 0.1, 1e-4
+QUICK_TOLERANCE = 5e-3  # relative, of that model's mesh
 
 
 @dataclass(frozen=True)
@@ -66,12 +79,13 @@ class Sensitivity:
 def sensitivities(design: Design, force: float) -> tuple[Sensitivity, ...]:
     """Return the change of an all-touch force of `force` N by 1 % of each dimension, the largest first.
 
-    Empty for a single ridge, and for a negligible all-touch force. A key that guards hold fixed is left out.
+    Empty for a single feature, and for a negligible all-touch force. A key that guards hold fixed, that its
+    model does not know, or whose change adds a feature or takes one away is left out.
     """
-    closed_force = all_touch_force(design)
-    if skin_of(design).count == 1 or closed_force <= NEGLIGIBLE * design.contact.force:
+    name, few = quick_model(design), skin_of(design).count == 1
+    if few or (own := quick_force(design, name) or 0.0) <= NEGLIGIBLE * design.contact.force:
         return ()
-    ends = intervals(design, closed_force)
+    ends = intervals(design, own) if name == "winkler" else _by_differences(design, name, own)
     now = {MODULUS: silicone(design).young_modulus.value}
     for key in set(ends) - {MODULUS}:
         table, _, name = key.partition(".")
@@ -86,6 +100,43 @@ def sensitivities(design: Design, force: float) -> tuple[Sensitivity, ...]:
         for key, (low, high) in ends.items()
     ]
     return tuple(sorted(rows, key=lambda row: (float(f"{-abs(row.change.value or 0.0):.3g}"), row.key)))
+
+
+def quick_model(design: Design) -> str:
+    """Return the quickest model that judges a design, the springs if they know it; "" where none does."""
+    return next((name for name in MODELS if not unsupported_reason(name, design, measured=False)), "")
+
+
+def quick_force(design: Design, name: str) -> float | None:
+    """Return the all-touch force by a model, N; None where it refuses the design, or where there is none."""
+    try:
+        request = Request(design.contact.force, QUICK_TOLERANCE, rough=True)
+        return run(name, design, request, {}, None).all_touch_force.value if name else None
+    except (InputError, RefusedError):
+        return None
+
+
+def _by_differences(design: Design, model: str, own: float) -> dict[str, tuple[float, float]]:
+    """The interval of the exponent of each of LENGTHS by differences of a model's force, `own` N as
+    designed."""
+    result = {MODULUS: (1 - PROPORTIONAL_MARGIN, 1 + PROPORTIONAL_MARGIN)}
+    for table in ("skin", skin_of(design).family):
+        for name, now in ((key, now) for key, now in getattr(design, table) if key in LENGTHS and now):
+            exponents = []
+            for by in (1 - DIFFERENCE, 1 + DIFFERENCE):
+                try:
+                    changed = design.with_(**{table: {name: now * by}})
+                    alike = skin_of(changed).count == skin_of(design).count
+                except InputError:
+                    continue
+                if alike and (force := quick_force(changed, model)):
+                    exponents.append(math.log(force / own) / math.log(by))
+            if exponents and max(map(abs, exponents)) > UNKNOWN:
+                middle = math.fsum(exponents) / len(exponents)
+                bend = np.ptp(exponents) / 2 if len(exponents) > 1 else DIFFERENCE * middle**2
+                off = float(bend) + MESH_NOISE + MODEL_SHARE * abs(middle)
+                result[f"{table}.{name}"] = middle - off, middle + off
+    return result
 
 
 def intervals(design: Design, closed_force: float) -> dict[str, tuple[float, float]]:

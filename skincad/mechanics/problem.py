@@ -271,8 +271,8 @@ class Request:
 
     `crest_offsets`, mm, are those of one measured part, positive where a crest is lower than designed.
     Contact of the skin with itself is looked for up to `ridge_limit` N on a ridge, not at all at 0.
-    `ridge_model` asks for the model of the yield too. With `must_fit` a first mesh that would overrun the
-    budget raises LateError; otherwise it is solved.
+    `ridge_model` asks for the model of the yield too, `rough` for ratios of forces alone. With `must_fit` a
+    first mesh that would overrun the budget raises LateError; otherwise it is solved.
     """
 
     force: float
@@ -282,6 +282,7 @@ class Request:
     ridge_model: bool = False
     ridge_limit: float = 0.0
     must_fit: bool = False
+    rough: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from skincad.fabrication.rules import counted
 from skincad.inputs.catalog import display_name, load_design, read_table, retyped, template_names
 from skincad.inputs.design import Design
 from skincad.mechanics.check import spread_of
-from skincad.mechanics.manufacture import sensitivities
+from skincad.mechanics.manufacture import quick_force, quick_model, sensitivities
 from skincad.mechanics.models import winkler
 from skincad.mechanics.models.table import MODELS, unsupported_reason, whole_price
 from skincad.mechanics.plate_friction import PlateFriction
@@ -32,8 +32,8 @@ from skincad.outputs.calculations import (
     scene_calculations,
     strip_calculations,
 )
+from skincad.outputs.figures import results as figures
 from skincad.outputs.figures.canvas import Picture, png, svg
-from skincad.outputs.figures.results import gain_figure, models_figure, ridge_force_figure, sensitivity_figure
 from skincad.outputs.pages import data_url, document, html, markdown_html
 from skincad.scenes.scene import Scene, load_scene
 from skincad.shape.skin import skin_of
@@ -74,6 +74,7 @@ def report(build: Build, picture: Callable[[], bytes], sheet: str, drawing: str)
         "source": source,
         "make_command": make_command,
         "picture": data_url(picture(), "image/png"),
+        "magnet_rows": [],
         "closed_form": not unsupported_reason("winkler", design, False),  # it knows ridges on a rectangle
         "finding_rows": [tuple(getattr(finding, key) for key in FINDING) for finding in build.findings],
         "scenes": scenes,
@@ -88,11 +89,12 @@ def report(build: Build, picture: Callable[[], bytes], sheet: str, drawing: str)
     if check:
         facts |= {
             "check_command": f"skincad check {source} --model {check.model}",
-            "forces_picture": _svg_url(ridge_force_figure(check)),
+            "forces_picture": _svg_url(figures.ridge_force_figure(check)),
             "verdict_rows": _verdict_rows(check),
             "error_rows": _error_rows(check),
             **_model_facts(design, check),
             **_yield_facts(design, check),
+            **_magnet_facts(check),
         }
     body = html("report.html", "page", build, **facts)
     return document(f"skincad report: {design.name}", body, "report.css")
@@ -148,16 +150,12 @@ def _calculation_facts(build: Build) -> Facts:
 
 def _verdict_rows(check: ContactCheck) -> list[tuple[str, str]]:
     """What the verdict rests on."""
-    rows = [
-        (
-            "the face touches from" if check.family == "flat" else f"all {check.family}s touch from",
-            str(check.all_touch_force),
-        ),
-        ("asked force", f"{check.force:g} N"),
-    ]
-    if check.margin is not None:
-        rows.append(("margin to the worst case", f"{check.margin:.2f} N"))
-    rows += [("approach", str(check.approach)), ("plate", check.plate)]
+    rows, margin = [("asked force", f"{check.force:g} N")], check.margin
+    if check.ridges > 1:  # one feature, and a face, touch from the first contact on
+        rows.insert(0, (f"all {check.family}s touch from", str(check.all_touch_force)))
+        rows += [("margin to the worst case", f"{margin:.2f} N")] if margin is not None else []
+    wide = [("width of the contact", str(check.contact_width))] if check.contact_width else []
+    rows += [("approach", str(check.approach)), *wide, ("plate", check.plate)]
     if check.friction is not None:
         rows.append(("friction of the plate", f"{check.friction:g}"))
     rows.append(("model", f"{check.model}, {check.unknowns} unknowns"))
@@ -186,12 +184,12 @@ def _model_facts(design: Design, check: ContactCheck) -> Facts:
     for name, force, unknowns in models:
         left = SPRINGS if name == "winkler" else (*MODELS[name].leaves_out, *plate.left_out(name))
         words, price = ", ".join(left) or "none of these", whole_price(name)
-        rows.append((name, words, unknowns, f"{price:.2g}", str(force)))
+        rows.append((name, words, unknowns, f"{price:.2g}", str(force))[: 5 if check.ridges > 1 else 4])
         if force.value and force.error:
             points.append((name, price, force.error / force.value))
     return {
         "model_rows": rows,
-        "models_picture": _svg_url(models_figure(points)) if len(points) > 1 else "",
+        "models_picture": _svg_url(figures.models_figure(points)) if len(points) > 1 else "",
     }
 
 
@@ -210,24 +208,30 @@ def _yield_facts(design: Design, check: ContactCheck) -> Facts:
 
 def _sensitivity_facts(design: Design, check: ContactCheck | None, source: str) -> Facts:
     """Which dimension or modulus moves the force by how much."""
-    sweep = f"skincad sweep {source} --vary "
-    if unsupported_reason("winkler", design, False):
-        thickness = design.skin.thickness
-        return {"sweep_command": f"{sweep}skin.thickness={thickness:g}:{1.1 * thickness:.4g}:3"}
-    closed_form = winkler.all_touch_force(design)
+    quick = quick_model(design)
     force = check.all_touch_force.value if check else None
-    changes = sensitivities(design, force or closed_form)
+    own = force or (quick_force(design, quick) if skin_of(design).count > 1 else 0.0)
+    changes = sensitivities(design, own or 0.0)
     if not changes:
-        return {"changes": changes}
-    first = changes[0]
+        return {"changes": changes, "moved_force": own}
+    first, finer = changes[0], " --model linear" if quick == "winkler" else ""
     return {
         "changes": changes,
         "change_rows": [(change.key, change.now, change.unit, str(change.change)) for change in changes],
-        "changes_picture": _svg_url(sensitivity_figure(changes)),
-        "closed_form_force": closed_form,
+        "changes_picture": _svg_url(figures.sensitivity_figure(changes)),
+        "quick_model": quick,
+        "moved_force": own,
         "force": force,
-        "sweep_command": f"{sweep}{first.key}={0.97 * first.now:.4g}:{1.03 * first.now:.4g}:3 --model linear",
+        "sweep_command": f"skincad sweep {source} --vary "
+        f"{first.key}={0.97 * first.now:.4g}:{1.03 * first.now:.4g}:3{finer}",
     }
+
+
+def _magnet_facts(check: ContactCheck) -> Facts:
+    """What magnetometers tell of the pins' forces."""
+    lines = (line for part in ("magnets", "magnet_numbers") for line in checks.CHECK.rows(part, check))
+    rows = [(line[2:17].strip(), line[17:]) for line in lines]
+    return {"magnet_rows": rows, "magnet_picture": _svg_url(figures.magnet_figure(check)) if rows else ""}
 
 
 @dataclass(frozen=True)
@@ -299,7 +303,10 @@ def amplifier_part(simulation: Simulation, piezo: Piezo) -> tuple[str, dict[str,
         return html("scene.html", "amplifier", circuit, refusal), {}
     file = f"circuit-{circuit.name}.toml"
     words = retyped(circuit, "circuits", load_circuit, file=file)
-    address, sentence = data_url(svg(gain_figure(circuit_gain)), "image/svg+xml"), GAIN.lines(circuit_gain)[0]
+    address, sentence = (
+        data_url(svg(figures.gain_figure(circuit_gain)), "image/svg+xml"),
+        GAIN.lines(circuit_gain)[0],
+    )
     steps = scene_calculations(simulation, circuit, circuit_gain)
     section = html(
         "scene.html", "amplifier", circuit, None, sentence, address, f"skincad circuit {words}", steps

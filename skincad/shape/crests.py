@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -50,8 +51,13 @@ def crest_drops(path: Path | str, design: Design) -> tuple[tuple[float, ...], tu
     numbers = columns[column if column in columns.by_name else "ridge"]
     if sorted(numbers.tolist()) != list(range(1, len(places) + 1)):
         rule = f"must give crest_mm of each {column} from 1 to {len(places)} once"
-        given = ", ".join(f"{number:g}" for number in numbers[:MOST_NAMED])
-        raise InputError(str(path), rule, given, "number them as the casting sheet's form does")
+        times = dict.fromkeys(range(1, len(places) + 1), 0) | Counter(numbers.tolist())
+        wrong = [number for number, count in times.items() if count != 1 or not 1 <= number <= len(places)]
+        many = numbers.size > MOST_NAMED
+        given = [f"{i:g} {times[i]} times" for i in wrong] if many else [f"{i:g}" for i in numbers]
+        raise InputError(
+            str(path), rule, ", ".join(given[:MOST_NAMED]), "number them as the casting sheet's form does"
+        )
     measured = dict(zip(numbers.astype(int).tolist(), columns["crest_mm"].tolist(), strict=True))
     drops = [designed - measured[i] for i, (_, _, designed) in enumerate(places, 1)]
     key = f"{skin.family}.{'heights' if skin.uneven else 'height'}"

@@ -14,7 +14,7 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 import skincad
-from skincad.base import Array, Stopwatch
+from skincad.base import Array, InputError, Stopwatch
 from skincad.inputs import Design, PressCurve, press_curve
 from skincad.material import PadCurve, PressModel, accept, acceptance, judge, small_strain_curve
 from skincad.material.acceptance import model_for, usable
@@ -371,6 +371,29 @@ def test_pins_are_judged_too(
         assert "a pin that did not fill (perhaps 5)" in words
     if result.cause == "modulus":
         assert abs(result.causes[0].size.value - modulus) <= (result.causes[0].size.error or 0.0)
+
+
+def test_of_very_many_pins_no_press_is_read() -> None:
+    many = {"skin": {"width": 38.0, "length": 38.0}}
+    press = PressCurve("press.csv", 0.01 * np.arange(10.0), 0.5 * np.arange(10.0), *FINE)
+    with pytest.raises(InputError, match=r"^pin: must be at most 1000 to read a press, got 1033; press a"):
+        accept(skincad.load("nibs-fine").with_(**many), press)
+
+
+def test_a_press_of_very_many_rows_is_thinned_by_who_took_it(tmp_path: Path) -> None:
+    rows = "\n".join(f"{i / 1e4},{i / 1e3}" for i in range(10001))
+    (tmp_path / "press.csv").write_text(f"approach_mm,force_N\n{rows}\n")
+    with pytest.raises(InputError, match=r"must have at most 5000 rows, got 10001; keep one in 3"):
+        accept(skincad.load("flat-magnet"), tmp_path / "press.csv")
+
+
+@pytest.mark.slow
+def test_rows_beyond_finite_strain_are_refused() -> None:
+    """Small strain goes on to 20 N there; finite strain was solved up to 8 N."""
+    force = np.linspace(1.0, 12.0, 10)
+    press = PressCurve("press.csv", 0.33 * np.sqrt(force), force, *FINE)
+    with pytest.raises(InputError, match=r"force_N: the model ends at .* N: beyond, finite strain is not"):
+        accept(skincad.load("flat-magnet"), press)
 
 
 @pytest.mark.evidence(subject="flat-magnet pressed")

@@ -310,6 +310,46 @@ def test_a_single_ridge_and_heights_of_ones_own() -> None:
     assert "ridge.height" not in {row.key for row in mech.sensitivities(uneven, 1.0)}
 
 
+SIX_PINS = {"pattern": "square", "columns": 3, "rows": 2, "height": 4.0, "heights": None, "pocket": None}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("rings-5", {}),
+        ("pillars-9", {"pin": {**SIX_PINS, "root_fillet": 0.0}, "skin": {"curvature_radius": 80.0}}),
+    ],
+)
+def test_all_lengths_together_count_by_their_square(name: str, changes: dict[str, object]) -> None:
+    """Of an elastic body as many times as large, gaps too, forces grow by the square: the exponents of all
+    lengths sum to 2, less those of fillets, 0.01 each. A pin's base has no edges in its model."""
+    design = load(name).with_(**changes)
+    rows = {row.key: row.change for row in mech.sensitivities(design, 100.0)}
+    assert rows.pop(yields.MODULUS).value == pytest.approx(1.0)
+    family = skin_of(design).family
+    widths = {"pin": {"root_diameter", "tip_diameter"}, "ring": {"root_width", "tip_width"}}[family]
+    lengths = {f"{family}.{key}" for key in {"pitch", "height", "crown"} | widths}
+    base = {"skin.curvature_radius", "skin.thickness"} | ({"skin.width"} if family == "ring" else set())
+    assert rows.keys() == lengths | base
+    # fillets, and the noise of each key's two meshes, which its error states as 0.03
+    assert sum(change.value for change in rows.values()) == pytest.approx(2.0, abs=0.06)
+
+
+@pytest.mark.evidence(subject="rings-5")
+@pytest.mark.parametrize(("key", "by"), [("ring.pitch", 0.02), ("ring.tip_width", 0.03)])
+def test_the_error_holds_what_finite_strain_finds_of_rings(key: str, by: float) -> None:
+    design = load("rings-5")
+    table, _, name = key.partition(".")
+    now = getattr(getattr(design, table), name)
+    low, middle, high = (
+        check(design.with_(**{table: {name: now * times}}), model="finite-strain").all_touch_force.value
+        for times in (1 - by, 1.0, 1 + by)
+    )
+    change = {row.key: row.change for row in mech.sensitivities(design, middle)}[key]
+    assert abs((high - low) / (200 * by) - change.value) <= change.error
+
+
 @pytest.mark.evidence(subject="milled-pad")
 @pytest.mark.parametrize(("key", "by"), [("skin.curvature_radius", 0.02), ("ridge.pitch", 0.02)])
 def test_the_error_holds_what_the_linear_model_finds(key: str, by: float) -> None:

@@ -169,6 +169,26 @@ def test_commands_are_ones_that_there_are(text: str, tmp_path: Path, monkeypatch
         load(options["source"], options["settings"])
 
 
+@pytest.mark.slow
+def test_magnets_have_their_part_and_a_face_has_no_margin() -> None:
+    """What is said of magnets is what `check` says; a face touches from the first contact on."""
+    pins, face = skincad.load("magnet-pillars"), skincad.load("flat-magnet")
+    check = skincad.check(pins, model="reduced")
+    page = page_of(job_of(pins, check))
+    assert 'href="#magnets"' in page
+    assert "9 sensors tell all 27 components of the pins&#x27; forces apart" in page or (
+        "9 sensors tell all 27 components of the pins' forces apart" in page
+    )
+    z = check.magnet.sensors[4].change[2]
+    assert f"{z.value:.3f} ± {z.error:.3f}" in page
+    assert "-0.000 ±" not in page
+    assert "pin.tip_diameter" in page
+    assert "Differences of the reduced model" in page
+    page = page_of(job_of(face, skincad.check(face, model="linear")))
+    assert "margin" not in page.partition('id="findings"')[0].partition("<main>")[2]
+    assert 'id="magnets"' not in page
+
+
 def test_a_copied_check_gives_the_printed_verdict(yamada: Design, tmp_path: Path) -> None:
     design = yamada.with_(ridge={"height": 0.6, "count": 3}, skin={"width": 5.0})
     page = Page(page_of(job_of(design, skincad.check(design, model="winkler"))))

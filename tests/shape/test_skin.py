@@ -313,6 +313,15 @@ def test_a_crest_farther_off_than_a_ridge_is_high_is_refused(
     assert len(crest_drops(measured(path, yamada, lower), yamada)[0]) == 9
 
 
+def test_of_many_pins_the_wrong_rows_are_named(tmp_path: Path) -> None:
+    design = skincad.load("nibs-fine")
+    rows = [f"{i},{z!r}" for i, (_, _, z) in enumerate(crest_places(skin_of(design)), 1)]
+    path = tmp_path / "crests.csv"
+    path.write_text("\n".join(["pin,crest_mm", *rows[:36], rows[4], *rows[37:]]))
+    with pytest.raises(InputError, match=r"each pin from 1 to \d+ once, got '5 2 times, 37 0 times'"):
+        crest_drops(path, design)
+
+
 @pytest.mark.parametrize(
     ("name", "column", "count"),
     [

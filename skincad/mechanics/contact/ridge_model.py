@@ -57,7 +57,7 @@ def ridge_model(
 def check_few(count: int) -> None:
     """Raise ContactError for more than MAX_RIDGES features."""
     if count > MAX_RIDGES:
-        raise ContactError(f"the ridge model takes at most {MAX_RIDGES} features, got {count}")
+        raise ContactError(f"the scatter of crests is counted of at most {MAX_RIDGES} features, got {count}")
 
 
 def ridge_forces(model: RidgeModel, drop: Array, force: Array) -> Array:

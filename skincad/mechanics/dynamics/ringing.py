@@ -86,7 +86,6 @@ FREE_TOP = 4 / math.pi**2  # of a layer's mass, at its top, gives its quarter wa
 
 
 def skin_mass(design: Design) -> float:
-    """Return the mass of a skin, g, taken as a flat block with straight-flanked ridges."""
-    skin = design.skin
-    area = skin.width * skin.thickness + sum(skin_of(design).heights) * skin_of(design).profile.mean_width
-    return 1e-6 * silicone(design).density * area * skin.length
+    """Return the mass of a skin, g, taken as a flat block, or a disc, with features of their mean widths."""
+    features = math.fsum(placed.area * placed.feature.height for placed in skin_of(design).placed)
+    return 1e-6 * silicone(design).density * (design.skin.area * design.skin.thickness + features)

@@ -85,7 +85,7 @@ def lone(design: Design, height: float, thickness: float) -> Design:
     width = 2 * (pin.feet[0].x + REACH * thickness)
     flat = {"curvature_radius": 1e8, "curvature_radius_y": None, "thickness": thickness}
     disc_of_base = {"outline": "round", "width": width, "length": width}
-    alone = {"pattern": "square", "columns": 1, "rows": 1, "height": height}
+    alone = {"pattern": "square", "columns": 1, "rows": 1, "height": height, "pitch": 1.0}
     nothing = dict.fromkeys(("rings", "margin", "heights", "levelling"))
     pocket = design.features.pocket if design.on_magnets else None
     skin = design.skin.model_copy(update=flat | disc_of_base)

@@ -62,6 +62,7 @@ FEW, DENSE = 300, 0.2  # features, and entries of the coupling, up to which a sp
 SAME = 1e-9  # relative; heights that differ by less are alike
 FARTHEST = 64.0  # times the approach that closes all gaps: the search's end
 FINENESS, ORDER = 1.0, 3  # of the cell's section
+MOST_NODES = 4, 3  # heights of which cells are solved, and thicknesses; quantities between are interpolated
 ERRORS = Errors(approach=0.03, threshold=0.1, share=0.12)  # against the corrected model
 # Of pins against CalculiX: the base's edges and roots count; on softer layers more, as `further` says
 PIN_ERRORS = Errors(approach=0.08, threshold=0.08, share=0.12)
@@ -117,7 +118,7 @@ def answer(design: Design, request: Request, progress: Progress | None = None) -
     seconds: dict[str, float] = {}
     if progress:
         progress("reduced model: a short pad of the same features")
-    model = feature_model(design, request.force, seconds).lowered(request.crest_offsets)
+    model = feature_model(design, request.force, seconds, rough=request.rough).lowered(request.crest_offsets)
     began = perf_counter()
     pins = skin_of(design).family == "pin"
     with one_blas_thread() if pins else nullcontext():  # on a busy machine more take ten times as long
@@ -168,12 +169,12 @@ def further(design: Design) -> float:
 
 
 def feature_model(
-    design: Design, force: float, seconds: dict[str, float], *, ends: bool = True
+    design: Design, force: float, seconds: dict[str, float], *, ends: bool = True, rough: bool = False
 ) -> FeatureModel:
     """Return the reduced pad of a design for forces of about `force` N; without `ends` in plane strain."""
     if skin_of(design).standing:
         began = perf_counter()
-        model = pin_model(design)
+        model = pin_model(design, rough=rough)
         seconds["cell"] = perf_counter() - began
         return model
     cell = cell_of(design)
@@ -199,7 +200,6 @@ def feature_model(
     )
 
 
-MOST_NODES = 4, 3  # heights of which cells are solved, and thicknesses; quantities between are interpolated
 # Relative, from which values on cells are solved at three, and at four: by a line over a tenth a stiffness by
 # the cube of the height is 0.8 % off
 SPREADS = 0.1, 0.3
@@ -235,10 +235,10 @@ class PinCells:
         return np.asarray(np.einsum("kt,tk...->k...", weights, [of(c) for c in self.cells[self.middle]]))
 
 
-def pin_cells(design: Design) -> PinCells:
-    """Solve the cells of a design's pins, in small strain."""
+def pin_cells(design: Design, rough: bool = False) -> PinCells:
+    """Solve the cells of a design's pins, in small strain; `rough`, one for all."""
     at = np.array(skin_of(design).heights), base_thicknesses(design)
-    nodes = [_nodes(values, most) for values, most in zip(at, MOST_NODES, strict=True)]
+    nodes = [_nodes(values, 1 if rough else most) for values, most in zip(at, MOST_NODES, strict=True)]
     cells = [[pin_cell(lone(design, float(h), float(t))) for t in nodes[1]] for h in nodes[0]]
     axial, across, magnet = (
         _interpolated(nodes, np.array([[of(cell) for cell in row] for row in cells]), at)
@@ -247,7 +247,7 @@ def pin_cells(design: Design) -> PinCells:
     return PinCells(cells, nodes, at[1], axial, across, magnet, _lagrange(nodes[0], at[0]))
 
 
-def pin_model(design: Design, *, stuck: bool = False) -> FeatureModel:
+def pin_model(design: Design, *, stuck: bool = False, rough: bool = False) -> FeatureModel:
     """Return the reduced pad of pins, in small strain, on a base without edges; with tips that are `stuck` to
     a plate that keeps its place, each by itself.
 
@@ -255,7 +255,7 @@ def pin_model(design: Design, *, stuck: bool = False) -> FeatureModel:
     under it and by its lean stands on the diagonal of `coupling`. Pins feel each other by their distance, as
     on a base of the mean thickness under both; a pin's own root does not stiffen the base for its neighbours.
     """
-    cells, skin = pin_cells(design), skin_of(design)
+    cells, skin = pin_cells(design, rough), skin_of(design)
     stiffest = cells.stiffest
     foot, (first, second) = _feet(design, cells)
     distance = np.linalg.norm(foot[first] - foot[second], axis=1)
@@ -407,14 +407,15 @@ def pin_tops(design: Design) -> Array:
 
 
 def _nodes(values: Array, most: int) -> Array:
-    """At most so many values to solve at, all if there are no more; fewer where they are close."""
+    """At most so many values to solve at, all if there are no more; fewer where they are close. One is the
+    largest."""
     distinct = np.unique(values)
     low, high = distinct[0], distinct[-1]
     spread = (high - low) / high
     if spread <= SAME:
         return np.array([(low + high) / 2])
     most = min(most, sum(spread > step for step in SPREADS) + 2)
-    return distinct if distinct.size <= most else np.linspace(low, high, most)
+    return distinct[-most:] if distinct.size <= most or most == 1 else np.linspace(low, high, most)
 
 
 def _lagrange(nodes: Array, at: Array) -> Array:

@@ -151,7 +151,8 @@ def package(
     # the stages of springs, but not the time left of each of their checks
     untimed = None if progress is None else lambda stage, _=None, /: progress(f"springs: {stage}")
     with watch.stage("springs"):
-        ridge_springs = springs(design, model, untimed) if {*chosen} & {"mujoco", "usd"} else None
+        wanted, coupled = {*chosen} & {"mujoco", "usd"}, "mujoco" in chosen
+        ridge_springs = springs(design, model, untimed, coupled=coupled) if wanted else None
     with watch.stage("response"):
         places = taxels(design) if {*chosen} & {"taxels", "usd"} else None
         response = _response(design, notes, progress) if "taxels" in chosen else None

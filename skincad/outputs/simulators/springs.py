@@ -120,8 +120,11 @@ class Springs(Record):
         return np.asarray(np.linalg.cholesky(self.stiffness).T)
 
 
-def springs(design: Design, model: str = "auto", progress: Progress | None = None) -> Springs:
-    """Return the springs of a design under a flat plate at the design's own force.
+def springs(
+    design: Design, model: str = "auto", progress: Progress | None = None, *, coupled: bool = True
+) -> Springs:
+    """Return the springs of a design under a flat plate at the design's own force; not `coupled` those that
+    stand `alone`, for a simulator that couples none.
 
     Raises InputError for a plate that is not flat; RefusedError for a check beyond its model's range.
     """
@@ -136,6 +139,8 @@ def springs(design: Design, model: str = "auto", progress: Progress | None = Non
         nominal = _of_pins(design, verdict)
     else:
         nominal = _fit(design, verdict, _reduced(design, verdict.force, progress))
+    if not coupled:
+        nominal = replace(nominal, flexibility=np.diag(1 / nominal.alone), coupled=False)
     elsewhere, refused = [], []
     for force in (span * verdict.force for span in SPANS):
         try:

@@ -187,12 +187,12 @@ def test_friction_of_pins_lies_between_tips_that_slide_and_stick() -> None:
         pin={"height": 1.4},
         skin={"width": 12.0, "length": 12.0, "curvature_radius": 15.0, "curvature_radius_y": 15.0},
     )
-    force, tips = 0.3, pin_pad(bent).tips
+    force, tips = 0.05, pin_pad(bent).tips  # at 0.15 the middle pin is beyond its buckling force
     rough = advance(tips, tip_contact.unloaded(tips), Drive(force, travel=0.0), 100.0).approach
     free, stuck = (
         reduced.pressed(reduced.pin_model(bent, stuck=sticks), force)[1] for sticks in (False, True)
     )
-    assert free - stuck > 0.01 * free
+    assert free - stuck > 0.005 * free
     assert stuck < rough < free
     bound = {part.effect: part for part in skincad.check(bent, force=force).left_out}["friction"].approach
     assert abs(rough / free - 1) <= bound

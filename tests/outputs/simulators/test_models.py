@@ -286,6 +286,22 @@ def test_at_the_checks_load_they_are_the_check(
     assert pressed.force == pytest.approx([float(share) for share in fit.verdict.ridge_force], abs=1e-6)
 
 
+def test_springs_of_a_simulator_that_couples_none_are_compared_as_such(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """At another load each bears its own stiffness times how far the plate came down at it."""
+    design = skincad.load_design("plain-ridges")
+    monkeypatch.setattr(room, "SPANS", (2.0,))
+    fit, coupled = (room.springs(design, "winkler", coupled=c) for c in (False, True))
+    assert fit.coupled is False
+    assert np.count_nonzero(fit.flexibility - np.diag(np.diag(fit.flexibility))) == 0
+    assert fit.alone == pytest.approx(coupled.alone)
+    (twice,) = fit.elsewhere
+    depth = np.maximum(twice.approach - fit.gap, 0.0)
+    assert twice.shares == pytest.approx(coupled.alone * depth, rel=1e-9)
+    assert sum(twice.shares) == pytest.approx(twice.force, rel=1e-9)
+
+
 @pytest.mark.slow
 def test_at_other_loads_they_are_near_the_check() -> None:
     """Measured 3 % and 4 %, of the shares 1 % and 6 % of the mean one: what a secant leaves."""

@@ -13,6 +13,7 @@ import skincad
 from skincad.base import InputError
 from skincad.outputs import Package
 from skincad.outputs.simulators import springs as room
+from skincad.outputs.simulators.package import card, markdown
 from tests.refusals import refused_command
 
 pxr = pytest.importorskip("pxr", reason="USD is not read: pip install usd-core")
@@ -92,6 +93,17 @@ def test_the_validators_do_find(written: Written) -> None:
     skin.RemoveAPI(UsdShade.MaterialBindingAPI)
     names = {error.partition(":")[0] for error in failures(stage)}
     assert names == {"MissingUpAxisMetadata", "JointInvalidPrimRel", "MissingMaterialBindingAPI"}
+
+
+def test_the_card_is_of_what_the_stage_holds(written: Written) -> None:
+    """Its springs are the drives, none coupled; nothing is said of MuJoCo."""
+    words, springs = markdown(written.package), card(written.package)["springs"]
+    assert springs["coupled"] is False
+    drives = np.diag(written.package.springs.alone)
+    assert np.array(springs["stiffness_N_per_mm"]) == pytest.approx(drives, rel=1e-9)
+    assert "USD's drives against checks" in words
+    assert "MuJoCo" not in words
+    assert "creeps" not in words
 
 
 def test_shapes_are_those_of_the_other_files(written: Written) -> None:
