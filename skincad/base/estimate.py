@@ -79,10 +79,12 @@ class Estimate:
 
     def within(self, lowest: float, highest: float) -> Estimate:
         """Return what of the interval lies in a range, and its middle; itself where all of it does or is
-        unknown, the range's nearer end where nothing does."""
+        unknown, as much of the range next to its nearer end as the error where nothing does."""
         if self.lower is None or self.upper is None or lowest <= self.lower <= self.upper <= highest:
             return self
         low, high = (min(max(end, lowest), highest) for end in (self.lower, self.upper))
+        if low == high:
+            low, high = max(low - (self.error or 0.0), lowest), min(high + (self.error or 0.0), highest)
         return Estimate((low + high) / 2, (high - low) / 2, self.unit)
 
     def as_json(self) -> dict[str, float | None]:

@@ -50,30 +50,31 @@ class Magnetometers(Reader):
 
     def read(self, watched: ReaderContext, time: Array, readings: Sequence[Observables]) -> Mapping[str, Any]:
         """Return `field_mT` by sensor and `pin_force_N` by pin, each along x, y and z, the force of the plate
-        on the pin. Its largest errors: against the march, N, by noise, rounding and what is not linear; and
-        by what the map itself may be off, way, tilt and remanence of each magnet. And the step from which the
-        readings tell each pin's slip, None for none."""
+        on the pin. Its largest errors, N: against the march, by noise, rounding, samples older than their
+        step and what is not linear; and by what way, tilt and remanence of magnets may be off, each pin's by
+        themselves. And the step from which the readings tell each pin's slip, None for none."""
         from skincad.effects.pin_pad import pin_pad
 
         sensors, pins = watched.design.magnetometer, magnetic_pins(watched.design)
         assert sensors is not None  # as it is checked
         tips, sways = np.array([reading.tips for reading in readings]), pin_pad(watched.design).tips.sway
 
-        def further(load: Array, reading: Observables) -> Array:
-            """How much further than the map says magnets go under forces on tips, near those of a state."""
+        def own(load: Array, reading: Observables) -> tuple[Array, Array]:
+            """Under forces on tips near those of a state, what each pin bends by and what its own magnet goes
+            besides."""
             if reading.magnets:
-                return reading.magnets(load)
+                return load, reading.magnets(load)
             sway = 1 - np.minimum(sways(-load[:, 2]), SWAYS)  # a pressed pin sways the more
-            return pins.poses(load / np.stack([sway, sway, np.ones_like(sway)], axis=1) - load)
+            return load / np.stack([sway, sway, np.ones_like(sway)], axis=1), np.zeros((len(load), 6))
 
-        moves = [pins.poses(load) + further(load, at) for load, at in zip(tips, readings, strict=True)]
+        moves = [moved(pins, *own(load, at)) for load, at in zip(tips, readings, strict=True)]
         field = np.array([pins.fields(poses).sum(axis=1) for poses in moves])
         seen = sampled(field, time, sensors, self.noise_seed)
         beyond = np.abs(field).max(axis=(0, 2)) > sensors.range
         notes = [f"sensor {i + 1} leaves its range of {sensors.range:g} mT" for i in np.flatnonzero(beyond)]
         forces: dict[str, Any] = {"magnet_slip_step": [None] * len(pins.middle)}
         try:
-            estimates = force_estimates(seen, readings, pins, further, sensors, ~beyond)
+            estimates = force_estimates(seen, readings, pins, own, sensors, ~beyond)
         except RefusedError as refusal:
             notes.append(str(refusal))
         else:
@@ -107,6 +108,11 @@ def sampled(field: Array, time: Array, sensors: Magnetometer, seed: int | None) 
     return np.asarray(np.clip(value, -sensors.range, sensors.range)[back].reshape(field.shape))
 
 
+def moved(pins: MagneticPins, bends: Array, besides: Array) -> Array:
+    """Return how magnets go and turn `(n, 6)` where pins bend as by forces `(n, 3)` N, and `besides`."""
+    return np.asarray(pins.poses(bends) + besides)
+
+
 class ForceEstimates(NamedTuple):
     """The `forces` on tips `(steps, n, 3)` N that readings tell, their noise rms, the `floor` `(n, 3)` N, and
     that of the whole `pull` along x, N; and the largest `error` by what the map is off, N."""
@@ -121,40 +127,43 @@ def force_estimates(
     seen: Array,
     readings: Sequence[Observables],
     pins: MagneticPins,
-    further: Callable[[Array, Observables], Array],
+    own: Callable[[Array, Observables], tuple[Array, Array]],
     sensors: Magnetometer,
     within: Mask,
 ) -> ForceEstimates:
     """Return the forces that readings `(steps, s, 3)` mT of the sensors `within` `(s,)` their range tell: by
     the map's slope at the forces of the step before, and by it again for what the fields of these forces are
-    off, until they settle. Magnets go `further` than `pins` says under forces on tips near those of a state.
+    off, until they settle. `own` says of each pin by what it bends, N, and what its magnet goes besides, near
+    the forces of a state.
 
     Raises RefusedError where the sensors are too few, or the forces don't settle.
     """
     every, forces = np.arange(len(pins.middle)), [np.zeros_like(pins.middle)]
     noise = list[tuple[Array, float, float]]()
-    for read, reading in zip(seen, readings, strict=True):
-        load, goes = forces[-1], pins.goes.copy()
+    for step, (read, reading) in enumerate(zip(seen, readings, strict=True)):
+        load, goes = forces[-1], np.zeros_like(pins.goes)
         for axis, more in enumerate(np.eye(3) * NUDGE):
-            rise = further(load + more, reading) - further(load - more, reading)
-            goes[every, :, every, axis] += rise / (2 * NUDGE)
-        slope = replace(pins, goes=goes).slope(pins.poses(load) + further(load, reading))
+            up, down = own(load + more, reading), own(load - more, reading)
+            bends, besides = ((one - other) / (2 * NUDGE) for one, other in zip(up, down, strict=True))
+            goes[..., axis] = np.einsum("ikja,ja->ikj", pins.goes, bends)
+            goes[every, :, every, axis] += besides
+        slope = replace(pins, goes=goes).slope(moved(pins, *own(load, reading)))
         slope *= np.repeat(within, 3)[:, None]
         floor, _, condition = force_noise(slope, sensors, within)
         if condition is None:
             raise RefusedError("the sensors within their range are too few to tell the forces on all pins")
         inverse = np.linalg.pinv(slope)
         for _ in range(MOST_CORRECTIONS):
-            field = pins.fields(pins.poses(load) + further(load, reading)).sum(axis=1)
+            field = pins.fields(moved(pins, *own(load, reading))).sum(axis=1)
             change = (inverse @ (read - field).ravel()).reshape(load.shape)
             load = load + change
             if np.abs(change).max() <= SETTLED * np.abs(load).max():
                 break
         else:
-            rule = f"do not settle in {MOST_CORRECTIONS} corrections"
+            rule = f"do not settle at step {step}; take finer steps or less noise"
             raise RefusedError(f"the forces that the readings tell {rule}")
         forces.append(load)
-        off = np.linalg.norm(inverse @ pins.uncertain(pins.poses(load) + further(load, reading)), axis=1)
+        off = np.linalg.norm(inverse @ pins.uncertain(moved(pins, *own(load, reading))), axis=1)
         noise.append((floor, sensors.rms * float(np.linalg.norm(inverse[::3].sum(axis=0))), off.max()))
     floors, pulls, errors = zip(*noise, strict=True)
     return ForceEstimates(np.array(forces[1:]), np.max(floors, axis=0), max(pulls), float(max(errors)))

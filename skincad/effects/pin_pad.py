@@ -47,7 +47,7 @@ SWAYS = 0.5
 STIFFENS = 0.6  # that, by the square of what it sways
 # By its strain, how much stiffer a pressed pin bends, of its first stiffness: a neo-Hookean column that is
 # shorter, thicker, and of another tangent modulus by 4, (1 - e) (1 + 2 e) / (1 - e)^3, its root by less: the
-# median of 19 random pins at finite strain. And what 90 % of them are off (tests/mechanics/models/test_pin_body.py)
+# median of 19 random pins at finite strain, and what 90 % of them are off (mechanics/models/test_pin_body)
 FIRMER = 3.5
 STRAINED = 2.0
 STICKING, SLIDING = 1.0, 1.5  # of Mindlin's compliance: where all of a contact sticks, and where all slips

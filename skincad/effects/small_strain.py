@@ -159,7 +159,8 @@ class CondensedPad:
         borne = np.maximum(np.bincount(rings, state.normal), 1e-300)
         uneven = 2 * np.abs(np.bincount(rings, called)) / borne
         ring, most = uneven.argmax(), float(uneven.max())
-        words = f"a level plate presses pulled rings harder behind, ring {ring} by {most:.0%}"
+        what = f"rings harder behind, ring {ring}" if self.pad.ridge.max() > 1 else "skins harder behind,"
+        words = f"a level plate presses pulled {what} by {most:.0%}"
         entries = [LeftOutEffect("uneven_pressure", words, min(1.0, most / 2))]
         words = "friction that spreads outward under the press"
         try:

@@ -75,11 +75,6 @@ class Base(Table):
         return math.inf if self.curvature_radius_y is None else self.curvature_radius_y
 
     @property
-    def all_round(self) -> int:
-        """How much of the curvature across it has along y too: 1 of a round one, else 0."""
-        return int(self.round)
-
-    @property
     def area(self) -> float:
         """Area of its outline, mm2."""
         return self.width * self.length * (math.pi / 4 if self.round else 1)
@@ -87,7 +82,7 @@ class Base(Table):
     def arm(self, x: float, y: float) -> float:
         """Return how far from its middle the base has curved at a place, or at arcs, mm: a round one curves
         all round. The second curvature does not count."""
-        return math.hypot(x, y * self.all_round)
+        return math.hypot(x, y) if self.round else abs(x)
 
     @property
     def half_arcs(self) -> tuple[float, float]:

@@ -8,6 +8,7 @@ stays.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -251,7 +252,7 @@ def finite_strain_curve(curve: PadCurve, design: Design, largest: float, clock: 
     with clock.stage("finite strain"):
         coarse = plane_piece(pad, COARSE.fineness)
         finite: linear.PlaneSolution | None = None
-        at, ratio = [0.0], [1.0]
+        at, ratio, failed = [0.0], [1.0], math.inf
         ahead = [share * largest for share in STRAINED_SHARES]
         while ahead:
             force = ahead.pop(0)
@@ -261,10 +262,12 @@ def finite_strain_curve(curve: PadCurve, design: Design, largest: float, clock: 
             except InputError:
                 if len(at) == 1:
                     raise
-                ahead = [(at[-1] + force) / 2] if at[-1] < (1 - NEAREST) * force else []
-                continue
-            at.append(force)
-            ratio.append(finite.approach / small)
+                failed, ahead = force, []
+            else:
+                at.append(force)
+                ratio.append(finite.approach / small)
+            if not ahead and at[-1] < (1 - NEAREST) * failed < math.inf:
+                ahead = [(at[-1] + failed) / 2]
     rows = curve.force < at[-1]
     forces = np.append(curve.force[rows], at[-1])
     small_strain = np.interp(forces, curve.force, curve.small)

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy import optimize, special
@@ -82,8 +83,9 @@ def sensitivities(design: Design, force: float) -> tuple[Sensitivity, ...]:
     Empty for a single feature, and for a negligible all-touch force. A key that guards hold fixed, that its
     model does not know, or whose change adds a feature or takes one away is left out.
     """
-    name, few = quick_model(design), skin_of(design).count == 1
-    if few or (own := quick_force(design, name) or 0.0) <= NEGLIGIBLE * design.contact.force:
+    name = quick_model(design)
+    own = (quick_force(design, name) or 0.0) if skin_of(design).count > 1 else 0.0
+    if own <= NEGLIGIBLE * design.contact.force:
         return ()
     ends = intervals(design, own) if name == "winkler" else _by_differences(design, name, own)
     now = {MODULUS: silicone(design).young_modulus.value}
@@ -107,6 +109,7 @@ def quick_model(design: Design) -> str:
     return next((name for name in MODELS if not unsupported_reason(name, design, measured=False)), "")
 
 
+@lru_cache(maxsize=32)
 def quick_force(design: Design, name: str) -> float | None:
     """Return the all-touch force by a model, N; None where it refuses the design, or where there is none."""
     try:

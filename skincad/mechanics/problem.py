@@ -16,7 +16,7 @@ from skincad.base.result import Record, item, reported_from
 from skincad.inputs.design import Design
 from skincad.inputs.guards import THINNEST
 from skincad.inputs.material import layers, silicone
-from skincad.inputs.skin_tables import Plate
+from skincad.inputs.skin_tables import RADIUS_Y, Plate
 from skincad.laws.neo_hooke import NeoHooke
 from skincad.laws.rubber import Rubber
 from skincad.shape.curves import Loop, Point, Segment, polygon
@@ -385,8 +385,8 @@ def pad_of(design: Design) -> Pad:
     base is no disc.
     """
     rule = "must not be given: all but the winkler model and the solids take the skin as straight along y"
-    for refusal in design.skin.refused_radius_y(rule):
-        raise refusal
+    if math.isfinite(design.skin.radius_y):
+        raise InputError(RADIUS_Y, rule, design.skin.radius_y, "leave it out")
     return solid_pad_of(design)
 
 

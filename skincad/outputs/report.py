@@ -210,7 +210,8 @@ def _sensitivity_facts(design: Design, check: ContactCheck | None, source: str) 
     """Which dimension or modulus moves the force by how much."""
     quick = quick_model(design)
     force = check.all_touch_force.value if check else None
-    own = force or (quick_force(design, quick) if skin_of(design).count > 1 else 0.0)
+    quickly = quick_force(design, quick) if skin_of(design).count > 1 else 0.0
+    own = quickly and (force or quickly)  # None where the quick model refuses the design
     changes = sensitivities(design, own or 0.0)
     if not changes:
         return {"changes": changes, "moved_force": own}

@@ -41,5 +41,5 @@ def _level(design: Design, number: int, x: Array, y: Array) -> Array:
     if shot.depth is None:
         return np.full_like(x, middle)
     radius = design.skin.curvature_radius - shot.depth
-    across = np.hypot(x, y * design.skin.all_round)
+    across = np.hypot(x, y) if design.skin.round else np.abs(x)
     return np.asarray(middle - 2 * radius * np.sin(np.arcsin(across / radius) / 2) ** 2)

@@ -245,6 +245,6 @@ def _over(base: Base, points: Array) -> Array:
     n = z - thick
     if math.isfinite(along):
         n = (y * y + n * n + 2 * along * n) / (along + np.hypot(y, n + along))
-    aside = x * x + y * y * base.all_round
+    aside = x * x + y * y if base.round else x * x
     over: Array = (aside + n * n + 2 * radius * n) / (radius + np.sqrt(aside + (n + radius) ** 2))
     return over

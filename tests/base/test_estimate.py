@@ -101,7 +101,7 @@ def test_a_rough_number_is_read_as_a_range(value: float, error: float, words: st
         (22.0, 13.0, (9.0, 20.0)),
         (5.0, 8.0, (0.0, 13.0)),
         (19.0, 0.5, (18.5, 19.5)),
-        (25.0, 1.0, (20.0, 20.0)),
+        (25.0, 1.0, (19.0, 20.0)),
     ],
 )
 def test_an_interval_is_cut_to_a_range(value: float, error: float, ends: tuple[float, float]) -> None:

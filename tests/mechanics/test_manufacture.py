@@ -336,6 +336,21 @@ def test_all_lengths_together_count_by_their_square(name: str, changes: dict[str
     assert sum(change.value for change in rows.values()) == pytest.approx(2.0, abs=0.06)
 
 
+@pytest.mark.slow
+@pytest.mark.dear("twelve cells, four times")
+def test_two_heights_and_two_thicknesses_do_for_exponents(monkeypatch: pytest.MonkeyPatch) -> None:
+    """0.03, as the constant says; one cell for all would be off by 0.07 in thickness and 0.5 in pitch."""
+    from skincad.mechanics.models import reduced
+
+    monkeypatch.setattr(yields, "LENGTHS", {"thickness", "pitch"})
+    rows = {row.key: row.change for row in mech.sensitivities(load("pins-dome"), 100.0)}
+    monkeypatch.setattr(reduced, "ROUGH_NODES", reduced.MOST_NODES)
+    yields.quick_force.cache_clear()
+    for row in mech.sensitivities(load("pins-dome"), 100.0):
+        assert rows[row.key].value == pytest.approx(row.change.value, abs=0.03)
+    yields.quick_force.cache_clear()
+
+
 @pytest.mark.evidence(subject="rings-5")
 @pytest.mark.parametrize(("key", "by"), [("ring.pitch", 0.02), ("ring.tip_width", 0.03)])
 def test_the_error_holds_what_finite_strain_finds_of_rings(key: str, by: float) -> None:

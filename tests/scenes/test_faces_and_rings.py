@@ -333,7 +333,7 @@ def test_rings_and_a_face_slip_as_solids_in_three_dimensions(name: str) -> None:
     result = skincad.simulate(scene)
     assert result.slip_share_error is not None
     for skin in (smooth, rubbed):
-        assert ring_friction.apart(skin, ours) < result.slip_share_error + 0.03
+        assert ring_friction.apart(skin, ours) < result.slip_share_error
     indicators = {entry.effect: entry.indicator for entry in result.left_out}
     stiffer = float(re.search(r"(\d+)% less", indicators["press_friction"])[1]) / 100
     assert 1 - rubbed.approach[0] / smooth.approach[0] == pytest.approx(stiffer, abs=0.015)
@@ -341,7 +341,8 @@ def test_rings_and_a_face_slip_as_solids_in_three_dimensions(name: str) -> None:
     pulls = 1.05 * (np.array(result.slip_steps) - 2 * PRESSED) / (100 - 2 * PRESSED)
     errors = np.array([error.total for error in result.slip_step_errors]) * 1.05 / (100 - 2 * PRESSED)
     whole = np.nan_to_num(smooth.pull_at(smooth.used, ring_friction.WHOLE), nan=1.0)
-    assert (np.abs(whole - pulls) <= errors).all() or name == "face"  # a face's is by force alone
+    if name != "face":  # which slips as a whole by force alone
+        assert (np.abs(whole - pulls) <= errors).all()
 
 
 def test_limits_of_rings_go_by_their_areas() -> None:

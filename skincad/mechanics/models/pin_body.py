@@ -219,8 +219,8 @@ class BentPins:
             change = (pull * step - energy[2]) / np.maximum(energy[5], FIRM * first)
             v = v + change
             if np.abs(change).max() <= SETTLED**2:
-                break
-        return np.array([u, v]), energy
+                return np.array([u, v]), energy
+        raise ContactError("a pin's sway does not settle")
 
     def magnets(self, forces: Array) -> Array:
         """Return what finite strain adds to how magnets go and turn `(n, 6)`, mm and rad, under forces on the

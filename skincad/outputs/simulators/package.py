@@ -285,10 +285,11 @@ def _numbers(package: Package) -> list[tuple[str, ...]]:
     stuffs = [f"{s.density / 1e3:g} g/cm3 of {s.name}" for s in (silicone(design), *layers(design))]
     whose = "the bone, taken to be of the lids' material" if design.mold.bone else "the carrier"
     stuffs.append(f"{lid_process(design).density:g} g/cm3 of {whose}")
+    without = " and without magnets" if getattr(design.features.pocket, "magnet", None) else ""
     mass = (
         f"mass {package.weighs.mass:.6g} g, centres and inertias",
         f"the exact solids of skin.step and carrier.step; {', '.join(stuffs)}",
-        "as designed; parts weigh what their silicone's batch weighs",
+        f"as designed{without}; parts weigh what their silicone's batch weighs",
     )
     facts: dict[str, Any] = {"STEP": STEP, "FRICTION": FRICTION, "friction": friction(design)}
     if package.springs:

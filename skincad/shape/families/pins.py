@@ -42,10 +42,10 @@ def _placed(
     """A pin at arcs (u, v): the section's point at u, moved along y by v or turned by its angle; on a round
     skin at the arc from the middle, in the direction of (u, v)."""
     (u, v), radius, along = at, skin.curvature_radius, skin.radius_y
-    arc, all_round = skin.arm(u, v), skin.all_round
-    x, y = (u / arc, all_round * v / arc + 0.0) if arc else (1.0, 0.0)  # the way in which it leans
+    arc = skin.arm(u, v)
+    x, y = (u / arc, v / arc if skin.round else 0.0) if arc else (1.0, 0.0)  # the way in which it leans
     out, low = math.sin(arc / radius), skin.thickness - 2 * radius * math.sin(arc / radius / 2) ** 2
-    foot = radius * out * x, radius * out * y + (1 - all_round) * v, low
+    foot = radius * out * x, radius * out * y if skin.round else v, low
     axis = out * x, out * y, math.cos(arc / radius)
     if math.isfinite(along):
         turn, arm = v / along, along - skin.thickness + low
