@@ -9,18 +9,20 @@ from __future__ import annotations
 import argparse
 import inspect
 import re
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import is_dataclass
 from importlib import import_module
+from operator import attrgetter
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import typer
 from mkdocs.structure.files import File
 
 import skincad
 from bench import table_fits
-from skincad.base import Record, ReportedProperty, Table, declared_items, key_of
+from skincad.base import Record, Table, declared_items, key_of
 from skincad.cli.app import app
 from skincad.effects import EFFECTS, effect
 from skincad.inputs import Design, Gripper, Process, Silicone
@@ -177,11 +179,27 @@ def _annotation(kind: type, name: str) -> str:
     """An attribute's type as the class writes it."""
     for parent in kind.__mro__:
         value = vars(parent).get(name)
-        if isinstance(value, ReportedProperty):
-            return str(value.method.__annotations__["return"])
+        kept = getattr(value, "__dict__", {})
+        getter = value.fget if isinstance(value, property) else kept.get("method") or kept.get("func")
+        if isinstance(getter, attrgetter):  # of another record
+            written, holder = "", kind
+            for part in getter.__reduce__()[1][0].split("."):
+                written = _annotation(holder, part)
+                holder = _class_named(written)
+            return written
+        if getter:
+            return str(getter.__annotations__["return"])
         if name in vars(parent).get("__annotations__", {}):
             return str(vars(parent)["__annotations__"][name])
     return ""
+
+
+def _class_named(written: str) -> type:
+    """The class of the package that a type names, as "Scene | None"."""
+    modules = [module for name, module in sys.modules.items() if name.startswith("skincad")]
+    named = (vars(module).get(word) for word in re.findall(r"\w+", written) for module in modules)
+    ones = (one for value in named for one in (get_args(value) or (value,)))  # the first of a union
+    return next((one for one in ones if getattr(one, "__module__", "").startswith("skincad")), type(None))
 
 
 def _type(written: str, inner: type[Record] | None) -> str:

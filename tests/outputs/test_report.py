@@ -170,6 +170,7 @@ def test_commands_are_ones_that_there_are(text: str, tmp_path: Path, monkeypatch
 
 
 @pytest.mark.slow
+@pytest.mark.dear("a check and a report of pins, and of a face")
 def test_magnets_have_their_part_and_a_face_has_no_margin() -> None:
     """What is said of magnets is what `check` says; a face touches from the first contact on."""
     pins, face = skincad.load("magnet-pillars"), skincad.load("flat-magnet")

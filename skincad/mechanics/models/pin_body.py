@@ -51,8 +51,8 @@ MARGIN = 0.02  # of a square, by which a pin is beyond it before it is in the ne
 # what its second derivative is off by at an end, where the fourth derivative is constant
 OFF = 1 / (6 * math.sqrt(3))
 # Hermite's functions of the value and the slope at 0, and those at 1, by powers; and their two derivatives
-HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]], dtype=float)
-HERMITE = np.array([HERMITE @ np.linalg.matrix_power(np.diag([1, 2, 3], -1), k) for k in range(3)])
+_CUBICS = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]], dtype=float)
+HERMITE = np.array([_CUBICS @ np.linalg.matrix_power(np.diag([1, 2, 3], -1), k) for k in range(3)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,8 +182,8 @@ def _rolled(
             by_way, by_normal = np.linalg.inv(wanted).T[:2]
             sinks = np.array([0.0, 1.0, -rises])
             numbers = pull, down - further, matrix[0] @ by_normal, matrix[0] @ by_way, sinks @ by_normal
-            further = np.array([by_normal, by_way]) @ slopes @ stiffness
-            return moved, held, np.array(numbers), further
+            slope = np.array([by_normal, by_way]) @ slopes @ stiffness
+            return moved, held, np.array(numbers), slope
     raise ContactError("a crown does not roll on")
 
 

@@ -85,6 +85,7 @@ def lone(design: Design, height: float, thickness: float) -> Design:
     width = 2 * (pin.feet[0].x + REACH * thickness)
     flat = {"curvature_radius": 1e8, "curvature_radius_y": None, "thickness": thickness}
     disc_of_base = {"outline": "round", "width": width, "length": width}
+    # one pitch for all, so that pins alike in all else share a cell
     alone = {"pattern": "square", "columns": 1, "rows": 1, "height": height, "pitch": 1.0}
     nothing = dict.fromkeys(("rings", "margin", "heights", "levelling"))
     pocket = design.features.pocket if design.on_magnets else None
