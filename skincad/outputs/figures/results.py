@@ -57,7 +57,8 @@ def ridge_force_figure(check: ContactCheck) -> Picture:
     """Return a figure of each ridge's force, N, with its error bar."""
     needed = "" if check.all_touch_force.value is None else f"; all touch from {check.all_touch_force}"
     title = f"{check.name}: {check.touching} of {check.ridges} touch at {check.force:g} N{needed}"
-    with chart(FORCES_SIZE, title, xlabel=check.family, ylabel="force, N") as (figure, axes):
+    counted = "face" if check.family == "flat" else check.family
+    with chart(FORCES_SIZE, title, xlabel=counted, ylabel="force, N") as (figure, axes):
         ridges = np.arange(1, check.ridges + 1)
         forces = [force.value or 0.0 for force in check.ridge_force]
         errors = [force.error or 0.0 for force in check.ridge_force]

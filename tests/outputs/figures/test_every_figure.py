@@ -54,7 +54,7 @@ UNITS = (
     ),
     *("mm3", "pC/N", "rad", "deg", "%", "ohm", "F", "1"),
 )
-NUMBERED = ("ridge", "ring", "pin", "step", "sample at")  # what is counted has none
+NUMBERED = ("ridge", "ring", "pin", "face", "step", "sample at")  # what is counted has none
 EDGE = 1.0  # pixel; where a letter's own smoothing ends
 
 
